@@ -1,0 +1,2 @@
+#include "cli/verbs.h"
+namespace vismat::cli { void add_see(CLI::App&) {} }

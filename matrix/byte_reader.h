@@ -1,0 +1,50 @@
+// Bounds-checked reading of little-endian bytes, and the one error that bad bytes raise.
+#pragma once
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+namespace vismat {
+
+/// Bad bytes in a file or payload. The message says where (lump, dataset, offset), what is wrong and what would be
+/// right; who opened the file prefixes its name.
+struct FormatError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads forward through borrowed bytes; every read past the end throws FormatError naming the offset.
+class ByteReader {
+ public:
+  /// `what` names the bytes in messages ("lump 16 (visdata)"); it must outlive the reader.
+  ByteReader(std::span<const std::byte> bytes, const char* what) : bytes_(bytes), what_(what) {}
+
+  std::size_t offset() const { return offset_; }
+  std::size_t left() const { return bytes_.size() - offset_; }
+  /// The next `count` bytes, borrowed.
+  std::span<const std::byte> bytes(std::size_t count);
+  void skip(std::size_t count) { bytes(count); }
+  /// A little-endian number: u8, i16, u32, u64, float ...
+  template <typename Number>
+  Number number() {
+    Number value;
+    std::memcpy(&value, bytes(sizeof value).data(), sizeof value);
+    return value;
+  }
+  /// Unsigned LEB128, at most 64 bits.
+  std::uint64_t varint();
+  /// Throws a FormatError that begins with the name and the offset.
+  [[noreturn]] void fail(const std::string& message) const;
+
+ private:
+  std::span<const std::byte> bytes_;
+  const char* what_;
+  std::size_t offset_ = 0;
+};
+
+static_assert(std::endian::native == std::endian::little, "vismat reads and writes little-endian files");
+
+}  // namespace vismat

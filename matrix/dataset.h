@@ -1,0 +1,56 @@
+// A visibility matrix with all that is known of it: what the rows and columns are, where it came from, how far it
+// can be trusted, and the geometry that goes with it. What a `.bsp.h5` file holds.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "matrix/object_tree.h"
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+/// Axis-aligned, in the scene's units.
+struct Box {
+  std::array<float, 3> low{}, high{};
+  bool operator==(const Box&) const = default;
+};
+
+/// exact: what is listed is what is visible. conservative: may list hidden objects, misses none. aggressive: may
+/// miss, never invents.
+enum class Guarantee { unknown, exact, conservative, aggressive };
+std::string_view to_string(Guarantee guarantee);
+Guarantee guarantee_from_string(std::string_view name);  // throws std::invalid_argument listing the right ones
+
+struct Dataset {
+  VisibilityMatrix matrix;
+  std::string rows_are = "view cell", columns_are = "object";
+  std::string provenance;  // one line: the file, generator or producer with its parameters
+  Guarantee guarantee = Guarantee::unknown;
+  std::optional<std::uint64_t> seed;
+
+  // Each is empty where it is not known.
+  std::vector<Box> row_bounds, column_bounds;      // one a row, one a column
+  std::optional<VisibilityMatrix> row_neighbours;  // rows x rows: which view cells touch
+  /// A hierarchy over the columns: its leafs name them (object_count() == columns). Where columns_are_nodes, each
+  /// column is a node of it instead (size() == columns) and the matrix is monotone over the tree.
+  std::optional<ObjectTree> tree;
+  bool columns_are_nodes = false;
+  bool operator==(const Dataset&) const = default;
+};
+
+/// Reads `.bsp.h5`, `.h5`, `.hdf5` (Binsparse) or `.mtx` (Matrix Market), told apart by their first bytes.
+/// Throws FormatError or std::runtime_error, both naming the file.
+Dataset read_dataset(const std::filesystem::path& path);
+/// By the file name's ending; `.mtx` keeps the matrix and the facts as comments, not the geometry.
+/// Throws std::invalid_argument for another ending. The file appears whole or not at all.
+void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
+
+/// The same matrix over the tree's nodes instead of its objects (nodes_from_objects), tree kept.
+Dataset over_nodes(const Dataset& objects);
+
+}  // namespace vismat
