@@ -1,4 +1,5 @@
-// A thin, closed door to the HDF5 library: named arrays and attributes, nothing else of its C interface shows.
+// A thin, closed door to the HDF5 library: named arrays and attributes, nothing else of its C interface
+// shows.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -10,8 +11,13 @@
 
 namespace vismat {
 
-/// Paths inside the file are absolute ("/vismat/tree/parent"); missing groups are made on writing. Number is one of
-/// u8, u32, u64, f32. Every failure throws FormatError naming the path inside the file; HDF5 itself prints nothing.
+/// Paths inside the file are absolute ("/vismat/tree/parent"); missing groups are made on writing. Number is
+/// one of u8, u32, u64, f32. Every failure throws FormatError naming the path inside the file, but not the
+/// file: who opened it prefixes that. HDF5 itself prints nothing. The same calls write the same bytes.
+///
+/// A file is read in a child process, so that one which crashes or stalls the library is refused like any
+/// other: open() forks, and the child ends with the Hdf5File. Do not open one while another thread writes
+/// one.
 class Hdf5File {
  public:
   static Hdf5File create(const std::filesystem::path& path);  // truncates
@@ -20,20 +26,26 @@ class Hdf5File {
   Hdf5File& operator=(Hdf5File&&) noexcept;
   ~Hdf5File();
 
-  /// Row-major; dimensions multiply to values.size().
+  /// Row-major; dimensions multiply to values.size(). Arrays of 64 numbers or more are shuffled and deflated.
   template <typename Number>
   void write(const std::string& name, std::span<const Number> values, std::vector<std::uint64_t> dimensions);
   bool contains(const std::string& name) const;
   std::vector<std::uint64_t> dimensions(const std::string& name) const;
-  /// Converts from the stored integer or float type; refuses a value that does not fit, and a dataset larger than
-  /// the file could hold.
+  /// Converts from the stored integer or float type; refuses a value that does not fit (floats where Number
+  /// is an integer), and a dataset larger than the file could hold. Takes no memory beyond the result but a
+  /// few chunks.
   template <typename Number>
   std::vector<Number> read(const std::string& name) const;
+  /// 1 where an entry of any integer or float type is not zero, else 0; NaN gives 1.
+  std::vector<std::uint8_t> read_truth(const std::string& name) const;
 
   void write_attribute(const std::string& object, const std::string& name, const std::string& value);
   void write_attribute(const std::string& object, const std::string& name, std::uint64_t value);
   std::optional<std::string> string_attribute(const std::string& object, const std::string& name) const;
   std::optional<std::uint64_t> number_attribute(const std::string& object, const std::string& name) const;
+
+  /// Ends writing and says whether everything reached the disk; the destructor closes too, but cannot say.
+  void close();
 
  private:
   struct Handle;

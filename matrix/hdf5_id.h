@@ -1,0 +1,34 @@
+// Ownership of the HDF5 library's identifiers. Private to matrix/.
+#pragma once
+#include <hdf5.h>
+
+#include <utility>
+
+namespace vismat {
+
+/// Closes what it holds; negative where the library refused.
+template <herr_t (*close)(hid_t)>
+class Hdf5Id {
+ public:
+  Hdf5Id(hid_t id) : id_(id) {}
+  Hdf5Id(Hdf5Id&& other) noexcept : id_(std::exchange(other.id_, -1)) {}
+  Hdf5Id& operator=(Hdf5Id&& other) noexcept {
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~Hdf5Id() {
+    if (id_ >= 0) close(id_);
+  }
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+};
+using Hdf5Attribute = Hdf5Id<H5Aclose>;
+using Hdf5Dataset = Hdf5Id<H5Dclose>;
+using Hdf5Object = Hdf5Id<H5Oclose>;
+using Hdf5Properties = Hdf5Id<H5Pclose>;
+using Hdf5Space = Hdf5Id<H5Sclose>;
+using Hdf5Type = Hdf5Id<H5Tclose>;
+
+}  // namespace vismat
