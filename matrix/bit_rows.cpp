@@ -1,11 +1,60 @@
 #include "matrix/bit_rows.h"
 
+#include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace vismat {
+namespace {
+
+// The same loop for several instruction sets; the limit is looked at every 16 words, once the sum is out of
+// the registers.
+[[gnu::always_inline]] inline std::uint32_t distance_loop(const std::uint64_t* a, const std::uint64_t* b,
+                                                          std::size_t words, std::uint32_t limit) {
+  std::uint64_t distance = 0;
+  for (std::size_t i = 0; i < words && distance <= limit;) {
+    const std::size_t end = std::min(words, i + 16);
+    for (; i < end; ++i) distance += static_cast<std::uint64_t>(std::popcount(a[i] ^ b[i]));
+  }
+  return static_cast<std::uint32_t>(distance);
+}
+
+std::uint32_t distance_plain(const std::uint64_t* a, const std::uint64_t* b, std::size_t words,
+                             std::uint32_t limit) {
+  return distance_loop(a, b, words, limit);
+}
+#if defined(__x86_64__)
+[[gnu::target("popcnt")]] std::uint32_t distance_popcnt(const std::uint64_t* a, const std::uint64_t* b,
+                                                        std::size_t words, std::uint32_t limit) {
+  return distance_loop(a, b, words, limit);
+}
+[[gnu::target("avx512f,avx512vl,avx512vpopcntdq,popcnt")]] std::uint32_t distance_avx512(
+    const std::uint64_t* a, const std::uint64_t* b, std::size_t words, std::uint32_t limit) {
+  return distance_loop(a, b, words, limit);
+}
+#endif
+
+const auto distance_of_words = [] {
+#if defined(__x86_64__)
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512vpopcntdq") && __builtin_cpu_supports("avx512vl"))
+    return &distance_avx512;
+  if (__builtin_cpu_supports("popcnt")) return &distance_popcnt;
+#endif
+  return &distance_plain;
+}();
+
+}  // namespace
+
+std::uint32_t hamming_distance(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                               std::uint32_t limit) {
+  return distance_of_words(a.data(), b.data(), a.size(), limit);
+}
 
 BitRows::BitRows(Shape shape)
-    : shape_(shape), words_per_row_((std::size_t{shape.columns} + 63) / 64), words_(shape.rows * words_per_row_, 0) {}
+    : shape_(shape),
+      words_per_row_((std::size_t{shape.columns} + 63) / 64),
+      words_(shape.rows * words_per_row_, 0) {}
 
 BitRows::BitRows(const VisibilityMatrix& matrix) : BitRows(matrix.shape()) {
   for (std::uint32_t r = 0; r < shape_.rows; ++r) {

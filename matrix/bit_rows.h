@@ -1,6 +1,5 @@
 // A dense bit matrix whose rows start on 64-bit words: for popcounts and Hamming distances.
 #pragma once
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,7 +21,9 @@ class BitRows {
   std::span<const std::uint64_t> row(std::uint32_t r) const {
     return {words_.data() + r * words_per_row_, words_per_row_};
   }
-  std::span<std::uint64_t> row(std::uint32_t r) { return {words_.data() + r * words_per_row_, words_per_row_}; }
+  std::span<std::uint64_t> row(std::uint32_t r) {
+    return {words_.data() + r * words_per_row_, words_per_row_};
+  }
   bool get(std::uint32_t r, std::uint32_t c) const { return row(r)[c / 64] >> (c % 64) & 1; }
   void set(std::uint32_t r, std::uint32_t c) { row(r)[c / 64] |= std::uint64_t{1} << (c % 64); }
   std::uint64_t ones() const;
@@ -35,11 +36,9 @@ class BitRows {
   std::vector<std::uint64_t> words_;
 };
 
-/// Number of bits that differ; both spans have the same length. One pass over 16 bytes a word pair.
-inline std::uint32_t hamming_distance(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b) {
-  std::uint32_t distance = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) distance += static_cast<std::uint32_t>(std::popcount(a[i] ^ b[i]));
-  return distance;
-}
+/// Number of bits that differ, or some number above `limit` as soon as it is known to be above. Both spans
+/// have the same length. Uses AVX-512 or POPCNT where the machine has them.
+std::uint32_t hamming_distance(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                               std::uint32_t limit = 0xffffffff);
 
 }  // namespace vismat

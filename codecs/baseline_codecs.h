@@ -1,0 +1,18 @@
+// What people use today, by its own libraries: kept apart so that our codecs link nothing.
+#pragma once
+#include <string_view>
+#include <vector>
+
+#include "codecs/codec.h"
+
+namespace vismat {
+
+/// Whole-file compressors over the byte-aligned bitmap.
+std::span<const Codec> baseline_codecs();
+
+/// Plain codecs, then baselines, then the paper's methods: the order of tables.
+std::vector<Codec> all_codecs();
+/// Throws std::invalid_argument that lists the names.
+const Codec& find_codec(std::string_view name);
+
+}  // namespace vismat

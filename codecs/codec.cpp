@@ -1,0 +1,66 @@
+#include "codecs/codec.h"
+
+#include <array>
+
+#include "codecs/bitmap.h"
+#include "codecs/quake_rle.h"
+#include "codecs/tree_coding.h"
+
+namespace vismat {
+namespace {
+
+using Bytes = std::span<const std::byte>;
+
+// The table wants plain functions; each codec over a tree is known to the rest by its name alone.
+template <std::size_t N>
+struct Name {
+  constexpr Name(const char (&text)[N]) {
+    for (std::size_t i = 0; i < N; ++i) value[i] = text[i];
+  }
+  char value[N];
+};
+
+template <Name name>
+constexpr Codec over_tree(std::string_view contents, bool wants_row_order) {
+  return {name.value,
+          contents,
+          true,
+          wants_row_order,
+          [](const VisibilityMatrix& matrix, const ObjectTree* tree) {
+            return encode_over_tree(*make_node_coder(name.value), matrix, tree);
+          },
+          [](Bytes payload, Bytes index, Shape shape, const ObjectTree* tree) {
+            return decode_over_tree(name.value, payload, index, shape, tree);
+          }};
+}
+
+constexpr std::array<Codec, 9> table = {{
+    {"bitmap", "rows of bits, padded to bytes", false, false,
+     [](const VisibilityMatrix& m, const ObjectTree*) {
+       return Encoded{bitmap_bytes(m), {}};
+     },
+     [](Bytes payload, Bytes, Shape shape, const ObjectTree*) { return matrix_from_bitmap(payload, shape); }},
+    {"quake-rle", "bitmap, zero bytes run-length coded", false, false,
+     [](const VisibilityMatrix& m, const ObjectTree*) {
+       return Encoded{quake_rle_bytes(m), {}};
+     },
+     [](Bytes payload, Bytes, Shape shape, const ObjectTree*) {
+       return matrix_from_quake_rle(payload, shape);
+     }},
+    over_tree<"zach0">("children's bits in the parent's cells", false),
+    over_tree<"zach1">("intersection of all children, bits outside it", false),
+    over_tree<"zach2">("intersection of a chosen subset, subset masks, bits outside it", false),
+    over_tree<"zach3-huffman">("run lengths, one Huffman table", true),
+    over_tree<"zach3-range">("run lengths, range coded, a frequency table each for runs of zeros and of ones",
+                             true),
+    over_tree<"zach4-huffman">("ones before each zero, one Huffman table", true),
+    over_tree<"zach4-range">("ones before each zero, range coded, one frequency table", true),
+}};
+
+}  // namespace
+
+std::span<const Codec> own_codecs() {
+  return table;
+}
+
+}  // namespace vismat

@@ -1,0 +1,43 @@
+// The table of codecs: matrix to bytes and back. Tests, benchmarks and the program loop over it.
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "matrix/byte_reader.h"
+#include "matrix/object_tree.h"
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+/// What an encoder makes. Neither part carries a header, so sizes compare fairly.
+struct Encoded {
+  std::vector<std::byte> payload;
+  /// Codecs over a tree: one varint a node that has children, the bytes of its part of the payload. A client
+  /// that stores each part in its node, as paper 002 does (Figure 2), has no use for it; a file of parts
+  /// does.
+  std::vector<std::byte> node_index;
+  bool operator==(const Encoded&) const = default;
+};
+
+/// A plain value. `name` is stored in files and never reused for other bytes.
+struct Codec {
+  std::string_view name;
+  std::string_view contents;  // what the payload holds, for tables
+  /// Wants a tree whose nodes are the columns, and a matrix that is monotone over it; the others ignore the
+  /// tree.
+  bool over_tree;
+  bool wants_row_order;  // run lengths follow the rows' order; the paper reorders view cells before these
+  /// Throws std::invalid_argument where over_tree and the tree is missing, does not fit or is not monotone.
+  Encoded (*encode)(const VisibilityMatrix&, const ObjectTree*);
+  /// Throws FormatError on any bytes that encode() cannot have made for this shape and tree, in time and
+  /// memory linear in the payload and the matrix that it describes.
+  VisibilityMatrix (*decode)(std::span<const std::byte> payload, std::span<const std::byte> node_index, Shape,
+                             const ObjectTree*);
+};
+
+/// Our own codecs; they need the standard library alone.
+std::span<const Codec> own_codecs();
+
+}  // namespace vismat

@@ -1,0 +1,336 @@
+// ALGORITHM [Zach & Karner 2003, sections 4.4 and 5]. The paper's five methods for one node's children; m is
+// the number of cells that see the node, k that of its children, B_i child i's bits.
+//
+//   zach0  the bits as they are: k m.
+//   zach1  the intersection of all B_i (m bits), then each B_i outside it. [Gotsman et al. 1999]
+//   zach2  the same for a subset S of the children, the others as in zach0; S is named by k bits. The paper
+//   prints
+//          the intersection's cost as its number of ones, but a decoder needs m bits for it (and the
+//          published sizes of method 1 are above those of method 0, which only m bits explain), so we
+//          minimize m + |S| (m - ones) + (k - |S|) m. Up to 10 children every subset is tried, beyond that
+//          the densest ones.
+//   zach3  all bits in a row, child after child; lengths of alternating runs, entropy coded.
+//   zach4  the same bits, zeros being the rarer sort: the number of ones before each zero, entropy coded,
+//   after
+//          van de Panne & Stewart's sparse coding with the two values exchanged.
+//
+// Lengths go through run_length_symbols.h. "-huffman" is one canonical code for all nodes, what the paper
+// measured.
+// "-range" replaces it by arithmetic coding, which the paper only calculated. There contexts cost nothing at
+// run time, so the tables are chosen by what is known when a length is read.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+
+#include "codecs/bit_stream.h"
+#include "codecs/huffman.h"
+#include "codecs/range_coder.h"
+#include "codecs/run_length_symbols.h"
+#include "codecs/tree_coding.h"
+
+namespace vismat {
+namespace {
+
+// --- zach0, zach1, zach2: bits
+// ------------------------------------------------------------------------------
+
+void put_bits(BitWriter& out, std::span<const std::uint8_t> bits) {
+  for (const std::uint8_t bit : bits) out.put(bit, 1);
+}
+
+// The bits of every child in the set `chosen` (one flag a child): their intersection, then each outside it.
+void put_with_intersection(BitWriter& out, const ChildBits& node, const std::vector<bool>& chosen) {
+  std::vector<std::uint8_t> common(node.cells, 1);
+  for (std::uint32_t i = 0; i < node.children; ++i) {
+    for (std::uint32_t p = 0; chosen[i] && p < node.cells; ++p)
+      common[p] &= node.bits[std::size_t{i} * node.cells + p];
+  }
+  put_bits(out, common);
+  for (std::uint32_t i = 0; i < node.children; ++i) {
+    for (std::uint32_t p = 0; p < node.cells; ++p) {
+      if (!chosen[i] || !common[p]) out.put(node.bits[std::size_t{i} * node.cells + p], 1);
+    }
+  }
+}
+
+void get_with_intersection(BitReader& in, ChildBits& node, const std::vector<bool>& chosen) {
+  std::vector<std::uint8_t> common(node.cells);
+  for (auto& bit : common) bit = static_cast<std::uint8_t>(in.get(1));
+  for (std::uint32_t i = 0; i < node.children; ++i) {
+    for (std::uint32_t p = 0; p < node.cells; ++p) {
+      node.bits[std::size_t{i} * node.cells + p] =
+          chosen[i] && common[p] ? 1 : static_cast<std::uint8_t>(in.get(1));
+    }
+  }
+}
+
+class PlainBits : public NodeCoder {
+ public:
+  void encode(const ChildBits& node, std::vector<std::byte>& out) const override {
+    BitWriter bits(out);
+    put_bits(bits, node.bits);
+    bits.flush();
+  }
+  void decode(std::span<const std::byte> part, ChildBits& node) const override {
+    BitReader in(part);
+    for (auto& bit : node.bits) bit = static_cast<std::uint8_t>(in.get(1));
+    in.finish();
+  }
+};
+
+class AllIntersected : public NodeCoder {
+ public:
+  void encode(const ChildBits& node, std::vector<std::byte>& out) const override {
+    BitWriter bits(out);
+    put_with_intersection(bits, node, std::vector<bool>(node.children, true));
+    bits.flush();
+  }
+  void decode(std::span<const std::byte> part, ChildBits& node) const override {
+    BitReader in(part);
+    get_with_intersection(in, node, std::vector<bool>(node.children, true));
+    in.finish();
+  }
+};
+
+class SomeIntersected : public NodeCoder {
+ public:
+  void encode(const ChildBits& node, std::vector<std::byte>& out) const override {
+    BitWriter bits(out);
+    const std::vector<bool> chosen = best_subset(node);
+    for (const bool c : chosen) bits.put(c, 1);
+    if (std::find(chosen.begin(), chosen.end(), true) == chosen.end()) {
+      put_bits(bits, node.bits);
+    } else {
+      put_with_intersection(bits, node, chosen);
+    }
+    bits.flush();
+  }
+  void decode(std::span<const std::byte> part, ChildBits& node) const override {
+    BitReader in(part);
+    std::vector<bool> chosen(node.children);
+    for (std::uint32_t i = 0; i < node.children; ++i) chosen[i] = in.get(1) != 0;
+    if (std::find(chosen.begin(), chosen.end(), true) == chosen.end()) {
+      for (auto& bit : node.bits) bit = static_cast<std::uint8_t>(in.get(1));
+    } else {
+      get_with_intersection(in, node, chosen);
+    }
+    in.finish();
+  }
+
+ private:
+  // Saved by S against zach0: |S| ones - m.
+  static std::vector<bool> best_subset(const ChildBits& node) {
+    const std::uint32_t k = node.children;
+    std::vector<bool> best(k, false);
+    std::uint64_t best_saving = 0;
+    const auto try_subset = [&](std::uint64_t size, std::uint64_t ones, const auto& is_chosen) {
+      if (size * ones <= node.cells + best_saving) return;
+      best_saving = size * ones - node.cells;
+      for (std::uint32_t i = 0; i < k; ++i) best[i] = is_chosen(i);
+    };
+    if (k <= 10) {
+      std::vector<std::uint64_t> cells_of_pattern(std::size_t{1} << k,
+                                                  0);  // by the set of children seen there
+      for (std::uint32_t p = 0; p < node.cells; ++p) {
+        std::size_t pattern = 0;
+        for (std::uint32_t i = 0; i < k; ++i)
+          pattern |= std::size_t{node.bits[std::size_t{i} * node.cells + p]} << i;
+        ++cells_of_pattern[pattern];
+      }
+      for (std::size_t bit = 1; bit < cells_of_pattern.size(); bit *= 2) {  // sums over supersets
+        for (std::size_t s = 0; s < cells_of_pattern.size(); ++s) {
+          if ((s & bit) == 0) cells_of_pattern[s] += cells_of_pattern[s | bit];
+        }
+      }
+      for (std::size_t s = 1; s < cells_of_pattern.size(); ++s) {
+        try_subset(static_cast<std::uint64_t>(std::popcount(s)), cells_of_pattern[s],
+                   [s](std::uint32_t i) { return (s >> i & 1) != 0; });
+      }
+      return best;
+    }
+    std::vector<std::pair<std::int64_t, std::uint32_t>> densest;  // (-ones, child)
+    for (std::uint32_t i = 0; i < k; ++i) {
+      const auto* bits = node.bits.data() + std::size_t{i} * node.cells;
+      densest.emplace_back(-std::count(bits, bits + node.cells, std::uint8_t{1}), i);
+    }
+    std::sort(densest.begin(), densest.end());
+    std::vector<std::uint8_t> common(node.cells, 1);
+    std::vector<bool> chosen(k, false);
+    for (std::uint32_t size = 1; size <= k; ++size) {
+      const std::uint32_t child = densest[size - 1].second;
+      chosen[child] = true;
+      std::uint64_t ones = 0;
+      for (std::uint32_t p = 0; p < node.cells; ++p) {
+        common[p] &= node.bits[std::size_t{child} * node.cells + p];
+        ones += common[p];
+      }
+      try_subset(size, ones, [&](std::uint32_t i) { return chosen[i]; });
+    }
+    return best;
+  }
+};
+
+// --- zach3, zach4: lengths
+// ----------------------------------------------------------------------------------
+
+// A way to see a row of bits as lengths: cut(bits, emit) calls emit(context, length >= 1), and paste, asking
+// next(context) for lengths, undoes it. `contexts` says how many tables a coder with contexts may keep.
+struct AlternatingRuns {
+  static constexpr std::size_t contexts = 2;  // the run's value
+  static constexpr unsigned first_bits = 1;   // the first run's value is told
+
+  template <typename Emit>
+  static void cut(std::span<const std::uint8_t> bits, const Emit& emit) {
+    for (std::size_t i = 0; i < bits.size();) {
+      const void* other = std::memchr(bits.data() + i, 1 - bits[i], bits.size() - i);
+      const std::size_t end =
+          other ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(other) - bits.data())
+                : bits.size();
+      emit(bits[i], static_cast<std::uint32_t>(end - i));
+      i = end;
+    }
+  }
+  template <typename Next>
+  static void paste(std::span<std::uint8_t> bits, std::uint8_t first, const Next& next) {
+    for (std::size_t i = 0; i < bits.size(); first = 1 - first) {
+      const std::size_t length = next(first);
+      if (length > bits.size() - i)
+        throw FormatError("a run of " + std::to_string(length) + " ends after the last bit");
+      std::memset(bits.data() + i, first, length);
+      i += length;
+    }
+  }
+};
+
+struct OnesBeforeZeros {
+  static constexpr std::size_t contexts = 1;
+  static constexpr unsigned first_bits = 0;
+
+  template <typename Emit>
+  static void cut(std::span<const std::uint8_t> bits,
+                  const Emit& emit) {  // as if a zero followed the last bit
+    for (std::size_t i = 0; i <= bits.size();) {
+      const void* zero = i < bits.size() ? std::memchr(bits.data() + i, 0, bits.size() - i) : nullptr;
+      const std::size_t end =
+          zero ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(zero) - bits.data()) : bits.size();
+      emit(std::size_t{0}, static_cast<std::uint32_t>(end - i + 1));
+      i = end + 1;
+    }
+  }
+  template <typename Next>
+  static void paste(std::span<std::uint8_t> bits, std::uint8_t, const Next& next) {
+    for (std::size_t i = 0; i <= bits.size();) {
+      const std::size_t ones = next(std::size_t{0}) - 1;
+      if (ones > bits.size() - i) throw FormatError(std::to_string(ones) + " ones end after the last bit");
+      std::memset(bits.data() + i, 1, ones);
+      i += ones;
+      if (i < bits.size()) bits[i] = 0;
+      ++i;
+    }
+  }
+};
+
+template <typename Lengths>
+class HuffmanLengths : public NodeCoder {
+ public:
+  void see(const ChildBits& node) override {
+    Lengths::cut(node.bits, [this](std::size_t, std::uint32_t length) {
+      ++frequencies_[symbol_of_length(length).symbol];
+    });
+  }
+  void write_model(std::vector<std::byte>& out) override {
+    code_ = HuffmanCode::from_frequencies(frequencies_);
+    code_.write(out);
+  }
+  void encode(const ChildBits& node, std::vector<std::byte>& out) const override {
+    if (node.bits.empty()) return;
+    BitWriter bits(out);
+    if (Lengths::first_bits == 1) bits.put(node.bits[0], 1);
+    Lengths::cut(node.bits, [&](std::size_t, std::uint32_t length) {
+      const LengthSymbol s = symbol_of_length(length);
+      code_.put(bits, s.symbol);
+      bits.put(s.raw, s.raw_count);
+    });
+    bits.flush();
+  }
+  void read_model(ByteReader& in) override { code_ = HuffmanCode::read(in, LengthSymbol::count); }
+  void decode(std::span<const std::byte> part, ChildBits& node) const override {
+    BitReader in(part);
+    if (!node.bits.empty()) {
+      const auto first = static_cast<std::uint8_t>(in.get(Lengths::first_bits));
+      Lengths::paste(node.bits, first, [&](std::size_t) {
+        const std::uint32_t symbol = code_.get(in);
+        const std::uint32_t length = length_of_symbol(symbol, in.get(raw_bits_of_symbol(symbol)));
+        if (in.overran()) throw FormatError("the bits end before the last run");
+        return length;
+      });
+    }
+    in.finish();
+  }
+
+ private:
+  std::array<std::uint64_t, LengthSymbol::count> frequencies_ = {};
+  HuffmanCode code_;
+};
+
+template <typename Lengths>
+class RangeLengths : public NodeCoder {
+ public:
+  void see(const ChildBits& node) override {
+    Lengths::cut(node.bits, [this](std::size_t c, std::uint32_t length) {
+      ++frequencies_[c][symbol_of_length(length).symbol];
+    });
+  }
+  void write_model(std::vector<std::byte>& out) override {
+    for (std::size_t c = 0; c < Lengths::contexts; ++c) {
+      tables_[c] = FrequencyTable::from_frequencies(frequencies_[c]);
+      tables_[c].write(out);
+    }
+  }
+  void encode(const ChildBits& node, std::vector<std::byte>& out) const override {
+    if (node.bits.empty()) return;
+    RangeEncoder coder(out);
+    if (Lengths::first_bits == 1) coder.put_raw(node.bits[0], 1);
+    Lengths::cut(node.bits, [&](std::size_t c, std::uint32_t length) {
+      const LengthSymbol s = symbol_of_length(length);
+      coder.put(tables_[c], s.symbol);
+      coder.put_raw(s.raw, s.raw_count);
+    });
+    coder.finish();
+  }
+  void read_model(ByteReader& in) override {
+    for (auto& table : tables_) table = FrequencyTable::read(in, LengthSymbol::count);
+  }
+  void decode(std::span<const std::byte> part, ChildBits& node) const override {
+    if (node.bits.empty()) {
+      if (!part.empty()) throw FormatError("bytes for a node that no cell sees");
+      return;
+    }
+    RangeDecoder in(part);
+    const auto first = static_cast<std::uint8_t>(in.get_raw(Lengths::first_bits));
+    Lengths::paste(node.bits, first, [&](std::size_t c) {
+      const std::uint32_t symbol = in.get(tables_[c]);
+      return length_of_symbol(symbol, in.get_raw(raw_bits_of_symbol(symbol)));
+    });
+  }
+
+ private:
+  std::array<std::array<std::uint64_t, LengthSymbol::count>, Lengths::contexts> frequencies_ = {};
+  std::array<FrequencyTable, Lengths::contexts> tables_;
+};
+
+}  // namespace
+
+std::unique_ptr<NodeCoder> make_node_coder(std::string_view codec) {
+  if (codec == "zach0") return std::make_unique<PlainBits>();
+  if (codec == "zach1") return std::make_unique<AllIntersected>();
+  if (codec == "zach2") return std::make_unique<SomeIntersected>();
+  if (codec == "zach3-huffman") return std::make_unique<HuffmanLengths<AlternatingRuns>>();
+  if (codec == "zach3-range") return std::make_unique<RangeLengths<AlternatingRuns>>();
+  if (codec == "zach4-huffman") return std::make_unique<HuffmanLengths<OnesBeforeZeros>>();
+  if (codec == "zach4-range") return std::make_unique<RangeLengths<OnesBeforeZeros>>();
+  return nullptr;
+}
+
+}  // namespace vismat
