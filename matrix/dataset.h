@@ -50,7 +50,8 @@ Dataset read_dataset(const std::filesystem::path& path);
 /// Throws std::invalid_argument for another ending. The file appears whole or not at all.
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 
-/// The same matrix over the tree's nodes instead of its objects (nodes_from_objects), tree kept.
+/// The same matrix over the tree's nodes instead of its objects (nodes_from_objects), tree kept; a node's box, where
+/// boxes are known, is the least around its objects. Needs a tree and columns that are objects.
 Dataset over_nodes(const Dataset& objects);
 
 }  // namespace vismat

@@ -20,6 +20,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <utility>
 
@@ -439,6 +440,14 @@ void Hdf5File::write_attribute(const std::string& object, const std::string& nam
 void Hdf5File::close() {
   const hid_t written = std::exchange(handle_->written, -1);
   if (written >= 0 && H5Fclose(written) < 0) throw FormatError("cannot be written; is the disk full?");
+}
+
+bool is_hdf5(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  std::array<char, 8> begin{};
+  std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
+  return std::memcmp(begin.data(), "\x89HDF\r\n\x1a\n", begin.size()) == 0;
 }
 
 }  // namespace vismat

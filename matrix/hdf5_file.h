@@ -53,4 +53,7 @@ class Hdf5File {
   std::unique_ptr<Handle> handle_;
 };
 
+/// Whether a regular file begins with HDF5's signature; false for what cannot be opened.
+bool is_hdf5(const std::filesystem::path& path);
+
 }  // namespace vismat

@@ -1,0 +1,29 @@
+// How large a shape a file may claim without bytes to back it.
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "matrix/byte_reader.h"
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+/// Rows or columns that no byte of the file stands for, such as empty rows in a coordinate list, still cost
+/// memory. Refuses, with a FormatError, more than 2^32 - 1 of either, and more than 2^22 + 64 for each entry
+/// there really is (34 MB of row offsets for an empty file).
+inline Shape claimed_shape(std::uint64_t rows, std::uint64_t columns, std::uint64_t entries) {
+  const auto check = [&](std::uint64_t claimed, const char* what) {
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    if (claimed > most)
+      throw FormatError("has " + std::to_string(claimed) + what + "; at most 2^32 - 1 are read");
+    if (claimed > (std::uint64_t{1} << 22) + 64 * entries) {
+      throw FormatError("claims " + std::to_string(claimed) + what + " for " + std::to_string(entries) +
+                        " entries; that is absurdly empty, at most 2^22 and 64 an entry are read");
+    }
+    return static_cast<std::uint32_t>(claimed);
+  };
+  return {check(rows, " rows"), check(columns, " columns")};
+}
+
+}  // namespace vismat
