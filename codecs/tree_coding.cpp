@@ -81,9 +81,7 @@ void for_each_node(const VisibilityMatrix& cells_of_node, const ObjectTree& tree
   }
 }
 
-}  // namespace
-
-Encoded encode_over_tree(NodeCoder& coder, const VisibilityMatrix& matrix, const ObjectTree* tree) {
+void check_fit(const VisibilityMatrix& matrix, const ObjectTree* tree) {
   if (tree == nullptr)
     throw std::invalid_argument("this codec needs a tree over the columns; make one with 'vismat tree'");
   if (tree->size() != matrix.shape().columns) {
@@ -95,6 +93,12 @@ Encoded encode_over_tree(NodeCoder& coder, const VisibilityMatrix& matrix, const
     throw std::invalid_argument(
         "the matrix is not monotone over its tree: some node is hidden where its child is visible");
   }
+}
+
+}  // namespace
+
+Encoded encode_over_tree(NodeCoder& coder, const VisibilityMatrix& matrix, const ObjectTree* tree) {
+  check_fit(matrix, tree);
   const VisibilityMatrix cells_of_node = transpose(matrix);
   for_each_node(cells_of_node, *tree, [&](const ChildBits& node) { coder.see(node); });
 
@@ -108,6 +112,15 @@ Encoded encode_over_tree(NodeCoder& coder, const VisibilityMatrix& matrix, const
     put_varint(out.node_index, out.payload.size() - before);
   });
   return out;
+}
+
+LengthStatistics length_statistics(const Codec& codec, const VisibilityMatrix& matrix,
+                                   const ObjectTree* tree) {
+  const auto coder = make_node_coder(codec.name);
+  if (!coder) return {};
+  check_fit(matrix, tree);
+  for_each_node(transpose(matrix), *tree, [&](const ChildBits& node) { coder->see(node); });
+  return coder->statistics();
 }
 
 NodeReader::NodeReader(std::string_view codec, std::span<const std::byte> payload,

@@ -18,12 +18,20 @@ struct ChildBits {
   std::vector<std::uint8_t> bits;
 };
 
+/// What a method that codes lengths has seen: `bits` bits cut into `lengths` lengths, and what an ideal
+/// arithmetic coder with the one histogram of their symbols would need for them, raw bits included.
+struct LengthStatistics {
+  std::uint64_t bits = 0, lengths = 0;
+  double entropy_bytes = 0;
+};
+
 /// How one method codes one node's ChildBits. First see() is called for every node, then write_model, then
 /// encode.
 class NodeCoder {
  public:
   virtual ~NodeCoder() = default;
   virtual void see(const ChildBits&) {}
+  virtual LengthStatistics statistics() const { return {}; }
   virtual void write_model(std::vector<std::byte>&) {}
   virtual void encode(const ChildBits&, std::vector<std::byte>& out) const = 0;
   virtual void read_model(ByteReader&) {}
@@ -37,6 +45,10 @@ std::unique_ptr<NodeCoder> make_node_coder(std::string_view codec);
 /// Payload: one byte that says whether every cell sees the root; the model; then the parts in node order. The
 /// root that not every cell sees is coded as the only child of a node that every cell sees.
 Encoded encode_over_tree(NodeCoder& coder, const VisibilityMatrix& matrix, const ObjectTree* tree);
+
+/// For the tables: zeros where the codec codes no lengths. Throws as its encode does.
+LengthStatistics length_statistics(const Codec& codec, const VisibilityMatrix& matrix,
+                                   const ObjectTree* tree);
 
 /// Reads one node without the rest: what a client does that pages nodes in. Thread-safe once made.
 class NodeReader {

@@ -20,7 +20,9 @@
 // run time, so the tables are chosen by what is known when a length is read.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
+#include <numeric>
 #include <string>
 
 #include "codecs/bit_stream.h"
@@ -235,9 +237,21 @@ template <typename Lengths>
 class HuffmanLengths : public NodeCoder {
  public:
   void see(const ChildBits& node) override {
+    bits_ += node.bits.size();
     Lengths::cut(node.bits, [this](std::size_t, std::uint32_t length) {
       ++frequencies_[symbol_of_length(length).symbol];
     });
+  }
+  LengthStatistics statistics() const override {
+    LengthStatistics all{bits_, std::accumulate(frequencies_.begin(), frequencies_.end(), std::uint64_t{0}),
+                         0};
+    for (std::uint32_t s = 0; s < LengthSymbol::count; ++s) {
+      const auto f = static_cast<double>(frequencies_[s]);
+      if (f > 0)
+        all.entropy_bytes +=
+            f * (std::log2(static_cast<double>(all.lengths) / f) + raw_bits_of_symbol(s)) / 8;
+    }
+    return all;
   }
   void write_model(std::vector<std::byte>& out) override {
     code_ = HuffmanCode::from_frequencies(frequencies_);
@@ -270,6 +284,7 @@ class HuffmanLengths : public NodeCoder {
   }
 
  private:
+  std::uint64_t bits_ = 0;
   std::array<std::uint64_t, LengthSymbol::count> frequencies_ = {};
   HuffmanCode code_;
 };

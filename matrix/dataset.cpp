@@ -104,4 +104,14 @@ Dataset over_nodes(const Dataset& objects) {
   return nodes;
 }
 
+Dataset with_rows_permuted(const Dataset& dataset, const Permutation& rows) {
+  Dataset result = dataset;
+  result.matrix = permute(dataset.matrix, rows, Permutation::identity(dataset.matrix.shape().columns));
+  if (dataset.row_neighbours) result.row_neighbours = permute(*dataset.row_neighbours, rows, rows);
+  for (std::size_t r = 0; r < dataset.row_bounds.size(); ++r) {
+    result.row_bounds[rows.new_of_old()[r]] = dataset.row_bounds[r];
+  }
+  return result;
+}
+
 }  // namespace vismat

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "matrix/object_tree.h"
+#include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {
@@ -53,5 +54,8 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 /// The same matrix over the tree's nodes instead of its objects (nodes_from_objects), tree kept; a node's box, where
 /// boxes are known, is the least around its objects. Needs a tree and columns that are objects.
 Dataset over_nodes(const Dataset& objects);
+
+/// Everything that goes by rows in the new order: the matrix, row_bounds, row_neighbours (both ways).
+Dataset with_rows_permuted(const Dataset& dataset, const Permutation& rows);
 
 }  // namespace vismat

@@ -1,0 +1,224 @@
+// Every codec in the table, on every matrix: round trip, damage, single nodes, golden bytes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "codecs/baseline_codecs.h"
+#include "codecs/bitmap.h"
+#include "codecs/container.h"
+#include "codecs/tree_coding.h"
+#include "tests/codecs/matrices.h"
+
+namespace vismat {
+namespace {
+
+std::string test_name(const testing::TestParamInfo<Codec>& codec) {
+  std::string name(codec.param.name);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+using test::NamedMatrix;
+
+struct Case {
+  VisibilityMatrix matrix;
+  std::optional<ObjectTree> tree;
+  const ObjectTree* tree_or_null() const { return tree ? &*tree : nullptr; }
+};
+
+// Codecs over a tree get the same objects as nodes of an even tree.
+Case case_for(const Codec& codec, const VisibilityMatrix& objects, std::uint32_t arity = 4) {
+  if (!codec.over_tree) return {objects, std::nullopt};
+  if (objects.shape().columns == 0) return {objects, ObjectTree{}};
+  const ObjectTree tree = test::even_tree(objects.shape().columns, arity);
+  return {nodes_from_objects(objects, tree), tree};
+}
+
+class EveryCodec : public testing::TestWithParam<Codec> {};
+
+TEST_P(EveryCodec, RoundTripsEveryMatrix) {
+  for (const NamedMatrix& m : test::assorted_matrices()) {
+    for (const std::uint32_t arity : {2u, 4u, 30u}) {
+      const Case c = case_for(GetParam(), m.matrix, arity);
+      const Encoded encoded = GetParam().encode(c.matrix, c.tree_or_null());
+      EXPECT_EQ(GetParam().decode(encoded.payload, encoded.node_index, c.matrix.shape(), c.tree_or_null()),
+                c.matrix)
+          << m.name;
+      EXPECT_EQ(GetParam().encode(c.matrix, c.tree_or_null()), encoded)
+          << m.name << ": same input, other bytes";
+    }
+  }
+}
+
+TEST_P(EveryCodec, RefusesEveryPrefixAndOneMoreByte) {
+  const Case c = case_for(GetParam(), test::clustered_matrix({40, 50}, 5));
+  Encoded e = GetParam().encode(c.matrix, c.tree_or_null());
+  const auto decode = [&](std::span<const std::byte> payload, std::span<const std::byte> index) {
+    return GetParam().decode(payload, index, c.matrix.shape(), c.tree_or_null());
+  };
+  for (std::size_t n = 0; n < e.payload.size(); ++n) {
+    EXPECT_THROW(decode(std::span(e.payload).first(n), e.node_index), FormatError)
+        << "payload of " << n << " bytes";
+  }
+  for (std::size_t n = 0; n < e.node_index.size(); ++n) {
+    EXPECT_THROW(decode(e.payload, std::span(e.node_index).first(n)), FormatError)
+        << "index of " << n << " bytes";
+  }
+  e.payload.push_back(std::byte{0});
+  EXPECT_THROW(decode(e.payload, e.node_index), FormatError);
+}
+
+// A flipped bit either decodes to some matrix of the right shape or is refused; nothing else may happen.
+TEST_P(EveryCodec, SurvivesFlippedBits) {
+  const Case c = case_for(GetParam(), test::clustered_matrix({40, 50}, 6));
+  const Encoded good = GetParam().encode(c.matrix, c.tree_or_null());
+  for (std::size_t bit = 0; bit < good.payload.size() * 8; ++bit) {
+    Encoded bad = good;
+    bad.payload[bit / 8] ^= std::byte{1} << (bit % 8);
+    try {
+      EXPECT_EQ(GetParam().decode(bad.payload, bad.node_index, c.matrix.shape(), c.tree_or_null()).shape(),
+                c.matrix.shape());
+    } catch (const FormatError&) {
+    }
+  }
+}
+
+TEST_P(EveryCodec, ContainerRestoresRowsInTheirOwnOrder) {
+  const Case c = case_for(GetParam(), test::clustered_matrix({40, 50}, 7));
+  std::vector<std::uint32_t> order(40);
+  for (std::uint32_t i = 0; i < 40; ++i) order[i] = i * 7 % 40;
+  const auto rows = Permutation::from_new_of_old(order);
+  Container container = compress(c.matrix, GetParam(), c.tree_or_null(), &rows);
+  container.facts = "guarantee: exact\n";
+  const Container back = read_container(write_container(container));
+  EXPECT_EQ(back, container);
+  EXPECT_EQ(decompress(back, GetParam()), c.matrix);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, EveryCodec, testing::ValuesIn(all_codecs()), test_name);
+
+class EveryTreeCodec : public testing::TestWithParam<Codec> {};
+
+TEST_P(EveryTreeCodec, ReadsEachNodeAlone) {
+  const Case c = case_for(GetParam(), test::clustered_matrix({60, 90}, 8));
+  const Encoded e = GetParam().encode(c.matrix, &*c.tree);
+  const VisibilityMatrix truth = transpose(c.matrix);
+  const NodeReader reader(GetParam().name, e.payload, e.node_index, c.matrix.shape(), *c.tree);
+  std::uint64_t bytes = 0;
+  for (std::uint32_t n = 0; n < c.tree->size(); ++n) {
+    const auto cells = reader.cells(n);
+    EXPECT_TRUE(std::ranges::equal(cells, truth.row(n))) << "node " << n;
+    bytes += reader.part_bytes(n);
+  }
+  EXPECT_LE(bytes, e.payload.size());
+}
+
+// The other parts are overwritten: if children() read them, the answer would change or be refused.
+TEST_P(EveryTreeCodec, ReadsNoOtherNodesPart) {
+  const Case c = case_for(GetParam(), test::clustered_matrix({60, 90}, 9));
+  const Encoded good = GetParam().encode(c.matrix, &*c.tree);
+  const VisibilityMatrix truth = transpose(c.matrix);
+  std::uint64_t parts = 0;
+  const NodeReader measure(GetParam().name, good.payload, good.node_index, c.matrix.shape(), *c.tree);
+  for (std::uint32_t n = 0; n < c.tree->size(); ++n) parts += measure.part_bytes(n);
+  std::uint64_t begin = good.payload.size() - parts;
+  for (std::uint32_t n = 0; n < c.tree->size(); ++n) {
+    std::vector<std::byte> payload(good.payload);
+    const std::uint64_t end = begin + measure.part_bytes(n);
+    for (std::uint64_t i = good.payload.size() - parts; i < payload.size(); ++i) {
+      if (i < begin || i >= end) payload[i] = std::byte{0xa5};
+    }
+    const NodeReader reader(GetParam().name, payload, good.node_index, c.matrix.shape(), *c.tree);
+    const auto children = reader.children(n, truth.row(n));
+    ASSERT_EQ(children.size(), c.tree->children(n).size());
+    for (std::size_t i = 0; i < children.size(); ++i) {
+      EXPECT_TRUE(std::ranges::equal(children[i], truth.row(c.tree->children(n)[i])));
+    }
+    begin = end;
+  }
+}
+
+TEST_P(EveryTreeCodec, RefusesMatricesThatDoNotFitTheTree) {
+  const ObjectTree tree = test::even_tree(4);
+  const auto hidden_parent = VisibilityMatrix::from_rows({{0, 1}, {2}}, tree.size());
+  EXPECT_THROW(GetParam().encode(hidden_parent, &tree), std::invalid_argument);
+  EXPECT_THROW(GetParam().encode(VisibilityMatrix(Shape{2, 3}), &tree), std::invalid_argument);
+  EXPECT_THROW(GetParam().encode(VisibilityMatrix(Shape{2, tree.size()}), nullptr), std::invalid_argument);
+}
+
+// One node's children hold 2^31 bits at most: a tree and a shape out of a hostile file may claim far more.
+TEST_P(EveryTreeCodec, RefusesAbsurdNodes) {
+  const std::uint32_t leafs = 1u << 16;
+  const ObjectTree tree = test::even_tree(leafs, leafs);
+  const std::vector<std::byte> payload = {std::byte{1}}, index = {std::byte{0}};
+  EXPECT_THROW(GetParam().decode(payload, index, {1u << 20, tree.size()}, &tree), FormatError);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, EveryTreeCodec, testing::ValuesIn([] {
+                           std::vector<Codec> codecs = all_codecs();
+                           std::erase_if(codecs, [](const Codec& c) { return !c.over_tree; });
+                           return codecs;
+                         }()),
+                         test_name);
+
+TEST(Bitmap, IsPaddedToBytes) {
+  EXPECT_EQ(bitmap_size({23814, 5461}), 16264962u);  // paper 002, Table 2, artificial 2
+  const auto bytes = bitmap_bytes(VisibilityMatrix::from_rows({{0, 9}, {}, {3}}, 10));
+  const std::vector<std::byte> golden = {std::byte{1}, std::byte{2}, {}, {}, std::byte{8}, {}};
+  EXPECT_EQ(bytes, golden);
+  EXPECT_THROW(matrix_from_bitmap(std::vector<std::byte>{std::byte{0}, std::byte{4}}, {1, 10}), FormatError);
+}
+
+// Our own formats byte for byte: a change here is a new format and wants a new name.
+TEST(GoldenBytes, OfOurOwnFormats) {
+  const Case c = case_for(find_codec("zach0"), test::clustered_matrix({24, 16}, 11));
+  const auto fingerprint = [](std::span<const std::byte> bytes) {
+    std::uint64_t sum = 0xcbf29ce484222325u;
+    for (const std::byte b : bytes) sum = (sum ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3u;
+    return sum;
+  };
+  std::map<std::string, std::pair<std::size_t, std::uint64_t>> found;
+  for (const Codec& codec : own_codecs()) {
+    const Encoded e = codec.encode(c.matrix, &*c.tree);
+    found[std::string(codec.name)] = {e.payload.size(), fingerprint(e.payload)};
+  }
+  const Container container = compress(c.matrix, find_codec("zach3-huffman"), &*c.tree);
+  const auto file = write_container(container);
+  found[".vmat"] = {file.size(), fingerprint(file)};
+  const std::map<std::string, std::pair<std::size_t, std::uint64_t>> golden = {
+#include "tests/codecs/golden.inc"
+  };
+  EXPECT_EQ(found, golden);
+}
+
+TEST(Container, RefusesEveryPrefixAndEveryFlippedByte) {
+  const Case c = case_for(find_codec("zach0"), test::clustered_matrix({24, 16}, 12));
+  const auto file = write_container(compress(c.matrix, find_codec("zach3-range"), &*c.tree));
+  for (std::size_t n = 0; n < file.size(); ++n)
+    EXPECT_THROW(read_container(std::span(file).first(n)), FormatError) << n;
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    auto bad = file;
+    bad[i] ^= std::byte{0x10};
+    EXPECT_THROW(read_container(bad), FormatError) << i;
+  }
+}
+
+TEST(Container, ChecksTheNumberOfOnes) {
+  Container container = compress(VisibilityMatrix::from_rows({{0}, {1}}, 2), find_codec("bitmap"));
+  container.ones = 3;
+  EXPECT_THROW(decompress(container, find_codec("bitmap")), FormatError);
+}
+
+TEST(FindCodec, ListsTheNames) {
+  try {
+    find_codec("zip");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("zach3-huffman"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace vismat
