@@ -19,28 +19,37 @@ namespace {
 using Bytes = std::span<const std::byte>;
 constexpr std::size_t step = std::size_t{1} << 30;  // both libraries count in 32 bits
 
+// What one call of a library came to. None may be made after `failed`: libbz2 then runs over its own stack.
+enum class Step { more, ended, failed };
+
 // Both libraries share one shape of stream: next_in, avail_in, next_out, avail_out. `run(last)` gets the
-// whole input in steps of at most 2^30 bytes and room for output; it returns true once the stream has ended.
-template <typename Stream, typename Byte, typename Run>
+// input in steps of at most 2^30 bytes, and room for output up to `most` bytes in all. True where the stream
+// ended with the input.
+template <typename Byte, typename Stream, typename Run>
 bool pump(Stream& stream, Bytes in, std::vector<std::byte>& out, std::size_t most, const Run& run) {
   std::size_t taken = 0;
-  for (bool ended = false; !ended;) {
-    const std::size_t room =
-        std::min(std::max<std::size_t>(out.size(), 65536), std::min(step, most - out.size()));
-    const std::size_t before = out.size();
+  for (;;) {
+    const std::size_t before = out.size(), give = std::min(step, in.size() - taken);
+    const std::size_t room = std::min({std::max<std::size_t>(before, 65536), step, most - before});
     out.resize(before + room);
-    const std::size_t give = std::min(step, in.size() - taken);
     stream.next_in = const_cast<Byte*>(reinterpret_cast<const Byte*>(in.data() + taken));
     stream.avail_in = static_cast<unsigned>(give);
     stream.next_out = reinterpret_cast<Byte*>(out.data() + before);
     stream.avail_out = static_cast<unsigned>(room);
-    ended = run(taken + give == in.size());
+    const Step result = run(taken + give == in.size());
     const std::size_t used = give - stream.avail_in, made = room - stream.avail_out;
     taken += used;
     out.resize(before + made);
-    if (!ended && used == 0 && made == 0) return false;
+    if (result == Step::ended) return taken == in.size();
+    if (result == Step::failed || (used == 0 && made == 0)) return false;
   }
-  return taken == in.size();
+}
+
+Step zlib_step(int code) {
+  return code == Z_STREAM_END ? Step::ended : code == Z_OK ? Step::more : Step::failed;
+}
+Step bzip2_step(int code) {
+  return code == BZ_STREAM_END ? Step::ended : code >= 0 ? Step::more : Step::failed;
 }
 
 constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
@@ -50,9 +59,8 @@ Encoded gzip_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
   Encoded out;
   z_stream stream{};
   if (deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
-  pump<z_stream, Bytef>(stream, bitmap, out.payload, unlimited, [&](bool last) {
-    return deflate(&stream, last ? Z_FINISH : Z_NO_FLUSH) == Z_STREAM_END;
-  });
+  pump<Bytef>(stream, bitmap, out.payload, unlimited,
+              [&](bool last) { return zlib_step(deflate(&stream, last ? Z_FINISH : Z_NO_FLUSH)); });
   deflateEnd(&stream);
   return out;
 }
@@ -61,9 +69,8 @@ VisibilityMatrix gzip_decode(Bytes payload, Bytes, Shape shape, const ObjectTree
   std::vector<std::byte> bitmap;
   z_stream stream{};
   if (inflateInit2(&stream, 15 + 16) != Z_OK) throw std::bad_alloc();
-  const bool whole = pump<z_stream, Bytef>(stream, payload, bitmap, bitmap_size(shape) + 1, [&](bool) {
-    return inflate(&stream, Z_NO_FLUSH) == Z_STREAM_END;
-  });
+  const bool whole = pump<Bytef>(stream, payload, bitmap, bitmap_size(shape) + 1,
+                                 [&](bool) { return zlib_step(inflate(&stream, Z_NO_FLUSH)); });
   inflateEnd(&stream);
   if (!whole)
     throw FormatError("gzip: damaged, cut short, or not the " + std::to_string(bitmap_size(shape)) +
@@ -76,9 +83,8 @@ Encoded bzip2_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
   Encoded out;
   bz_stream stream{};
   if (BZ2_bzCompressInit(&stream, 9, 0, 0) != BZ_OK) throw std::bad_alloc();
-  pump<bz_stream, char>(stream, bitmap, out.payload, unlimited, [&](bool last) {
-    return BZ2_bzCompress(&stream, last ? BZ_FINISH : BZ_RUN) == BZ_STREAM_END;
-  });
+  pump<char>(stream, bitmap, out.payload, unlimited,
+             [&](bool last) { return bzip2_step(BZ2_bzCompress(&stream, last ? BZ_FINISH : BZ_RUN)); });
   BZ2_bzCompressEnd(&stream);
   return out;
 }
@@ -87,8 +93,8 @@ VisibilityMatrix bzip2_decode(Bytes payload, Bytes, Shape shape, const ObjectTre
   std::vector<std::byte> bitmap;
   bz_stream stream{};
   if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) throw std::bad_alloc();
-  const bool whole = pump<bz_stream, char>(stream, payload, bitmap, bitmap_size(shape) + 1,
-                                           [&](bool) { return BZ2_bzDecompress(&stream) == BZ_STREAM_END; });
+  const bool whole = pump<char>(stream, payload, bitmap, bitmap_size(shape) + 1,
+                                [&](bool) { return bzip2_step(BZ2_bzDecompress(&stream)); });
   BZ2_bzDecompressEnd(&stream);
   if (!whole)
     throw FormatError("bzip2: damaged, cut short, or not the " + std::to_string(bitmap_size(shape)) +

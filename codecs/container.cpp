@@ -14,13 +14,6 @@ namespace {
 constexpr std::array<unsigned char, 8> magic = {0x89, 'V', 'M', 'A', 'T', '\r', '\n', 0x1a};
 constexpr std::uint32_t version = 1;
 
-// FNV-1a over 64 bits: each step is a bijection of the state, so any one changed byte changes the sum.
-std::uint64_t checksum(std::span<const std::byte> bytes) {
-  std::uint64_t sum = 0xcbf29ce484222325u;
-  for (const std::byte b : bytes) sum = (sum ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3u;
-  return sum;
-}
-
 template <typename Number>
 void put(std::vector<std::byte>& out, Number value) {
   const auto* bytes = reinterpret_cast<const std::byte*>(&value);
@@ -88,6 +81,12 @@ ObjectTree tree_from_bytes(std::span<const std::byte> bytes) {
 
 }  // namespace
 
+std::uint64_t container_checksum(std::span<const std::byte> bytes) {
+  std::uint64_t sum = 0xcbf29ce484222325u;
+  for (const std::byte b : bytes) sum = (sum ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3u;
+  return sum;
+}
+
 std::vector<std::byte> write_container(const Container& container) {
   std::vector<std::byte> out(magic.size());
   std::memcpy(out.data(), magic.data(), magic.size());
@@ -104,7 +103,7 @@ std::vector<std::byte> write_container(const Container& container) {
   put_section(out, std::as_bytes(std::span(order)));
   put_section(out, container.encoded.node_index);
   put_section(out, container.encoded.payload);
-  put(out, checksum(out));
+  put(out, container_checksum(out));
   return out;
 }
 
@@ -117,11 +116,9 @@ Container read_container(std::span<const std::byte> bytes) {
   if (const auto found = in.number<std::uint32_t>(); found != version) {
     in.fail("version " + std::to_string(found) + "; this program reads version " + std::to_string(version));
   }
-  if (in.left() < 8 || checksum(bytes.first(bytes.size() - 8)) != [&] {
-        std::uint64_t stored;
-        std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
-        return stored;
-      }()) {
+  if (in.left() < 8) in.fail("cut short");
+  ByteReader last(bytes.last(8), ".vmat");
+  if (container_checksum(bytes.first(bytes.size() - 8)) != last.number<std::uint64_t>()) {
     in.fail("the checksum differs: the file is damaged or cut short");
   }
   Container container;

@@ -30,6 +30,10 @@ std::vector<std::byte> write_container(const Container& container);
 /// file's size.
 Container read_container(std::span<const std::byte> bytes);
 
+/// The checksum in a file's last 8 bytes, over all bytes before them: FNV-1a of 64 bits, each of whose steps
+/// is a bijection of the state, so that any one changed byte changes the sum.
+std::uint64_t container_checksum(std::span<const std::byte> bytes);
+
 /// Encodes with the rows in `row_order` (null: as they stand). Throws what the codec throws.
 Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree = nullptr,
                    const Permutation* row_order = nullptr);

@@ -17,6 +17,7 @@ std::uint64_t ByteReader::varint() {
     const auto byte = number<std::uint8_t>();
     if (shift == 63 && byte > 1) fail("a number takes more than 64 bits");
     value |= std::uint64_t{byte & 0x7fu} << shift;
+    if (byte == 0 && shift > 0) fail("a number is written in more bytes than it needs");
     if (byte < 0x80) return value;
   }
 }

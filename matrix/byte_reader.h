@@ -34,7 +34,7 @@ class ByteReader {
     std::memcpy(&value, bytes(sizeof value).data(), sizeof value);
     return value;
   }
-  /// Unsigned LEB128, at most 64 bits.
+  /// Unsigned LEB128 in as few bytes as the value needs, at most 64 bits.
   std::uint64_t varint();
   /// Throws a FormatError that begins with the name and the offset.
   [[noreturn]] void fail(const std::string& message) const;
