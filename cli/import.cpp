@@ -1,2 +1,77 @@
+// vismat import: a game's level to a matrix file.
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
 #include "cli/verbs.h"
-namespace vismat::cli { void add_import(CLI::App&) {} }
+#include "visibility/bounding_volume_tree.h"
+#include "visibility/levels/level_file.h"
+
+namespace vismat::cli {
+namespace {
+
+struct Arguments {
+  std::string level, output, scene, matrix = "cells", tree = "bounds";
+  bool nodes = false;
+};
+
+const std::map<std::string, LevelMatrix> matrices = {{"cells", LevelMatrix::cells},
+                                                     {"faces", LevelMatrix::faces}};
+const std::map<std::string, LevelTree> trees = {
+    {"none", LevelTree::none}, {"bounds", LevelTree::bounds}, {"level", LevelTree::level}};
+
+void write_faces(const Level& level, const Arguments& arguments) {
+  if (level.face_ids.empty()) {
+    throw std::invalid_argument(arguments.level + ": a " + level.format +
+                                " level without faces has no scene to write");
+  }
+  SceneFile file;
+  file.scene = level.face_scene;
+  if (arguments.tree == "level") file.tree = level.face_tree;
+  if (arguments.tree == "bounds") file.tree = bounding_volume_tree(level.face_bounds);
+  file.provenance = level.name + ", " + level.format;
+  write_scene(arguments.scene, file);
+}
+
+void run(const Arguments& arguments) {
+  if (arguments.nodes && arguments.tree == "none") {
+    throw std::invalid_argument("--nodes needs a tree: --tree bounds or --tree level");
+  }
+  const Level level = read_level(arguments.level);
+  Dataset dataset = level_dataset(level, matrices.at(arguments.matrix), trees.at(arguments.tree));
+  if (arguments.nodes) dataset = over_nodes(dataset);
+  if (!arguments.scene.empty()) write_faces(level, arguments);
+  write_dataset(arguments.output, dataset);
+  const Shape shape = dataset.matrix.shape();
+  std::printf("%s: %u %ss x %u %ss, %.1f %% visible", arguments.output.c_str(), shape.rows,
+              dataset.rows_are.c_str(), shape.columns, dataset.columns_are.c_str(),
+              dataset.matrix.density() * 100);
+  if (dataset.tree) std::printf(", a tree of %u nodes", dataset.tree->size());
+  std::printf("\n");
+}
+
+}  // namespace
+
+void add_import(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* verb = app.add_subcommand("import", "Read a level of Quake 3 or Doom: what its cells see");
+  verb->footer(
+      "LEVEL is FILE.bsp, FILE.pk3:maps/NAME.bsp or FILE.wad:MAP; 'vismat info FILE' lists what is in one.\n"
+      "Example: vismat import pak1-maps.pk3:maps/oa_koth1.bsp -o koth1.bsp.h5 --matrix faces --tree level");
+  verb->add_option("LEVEL", arguments->level, "The level")->required();
+  verb->add_option("-o,--output", arguments->output, "The matrix file to write (.bsp.h5, .mtx)")->required();
+  verb->add_option("--matrix", arguments->matrix, "Columns: cells (clusters, sectors) or faces (Quake only)")
+      ->check(CLI::IsMember({"cells", "faces"}))
+      ->capture_default_str();
+  verb->add_option("--tree", arguments->tree,
+                   "Over the columns: a 4-ary one of their boxes, or the level's own")
+      ->check(CLI::IsMember({"none", "bounds", "level"}))
+      ->capture_default_str();
+  verb->add_flag("--nodes", arguments->nodes, "Make the tree's nodes the columns");
+  verb->add_option("--scene", arguments->scene,
+                   "Write the faces' triangles too (.scene.h5), one object a face");
+  verb->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace vismat::cli

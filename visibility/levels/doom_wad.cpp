@@ -1,0 +1,319 @@
+// A WAD is a header, lumps, and a directory of (offset, length, 8-character name). A map is an empty lump
+// with its name, followed by lumps of fixed names and fixed-size records:
+//
+//   NODES -> SSECTORS -> SEGS -> LINEDEFS -> SIDEDEFS -> SECTORS, and LINEDEFS -> VERTEXES
+//
+// so a leaf of the tree finds its sector through its first seg. Every index is checked where it is followed.
+#include "visibility/levels/doom_wad.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "visibility/levels/growing_box.h"
+#include "visibility/levels/level_tree.h"
+#include "visibility/levels/records.h"
+
+namespace vismat {
+namespace {
+
+struct Linedef {
+  std::uint16_t from, to, flags, special, tag;
+  std::array<std::uint16_t, 2> sides;  // right, left; 0xffff for none
+};
+struct Sidedef {
+  std::int16_t x, y;
+  char textures[24];
+  std::uint16_t sector;
+};
+struct Vertex {
+  std::int16_t x, y;
+};
+struct Sector {
+  std::int16_t floor, ceiling;
+  char textures[16];
+  std::int16_t light, special, tag;
+};
+struct Seg {
+  std::uint16_t from, to, angle, line, side, offset;
+};
+struct Subsector {
+  std::uint16_t segs, first;
+};
+struct Node {
+  std::int16_t line[4], boxes[8];
+  std::array<std::uint16_t, 2> children;  // right, left; the highest bit marks a subsector
+};
+static_assert(sizeof(Linedef) == 14 && sizeof(Sidedef) == 30 && sizeof(Vertex) == 4 && sizeof(Sector) == 26 &&
+              sizeof(Seg) == 12 && sizeof(Subsector) == 4 && sizeof(Node) == 28);
+
+struct DirectoryEntry {
+  std::int32_t offset, length;
+  char name[8];
+};
+
+struct Lump {
+  std::string name;
+  std::span<const std::byte> bytes;
+};
+
+std::string upper(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) {
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  }
+  return result;
+}
+
+std::vector<Lump> read_directory(std::span<const std::byte> wad) {
+  ByteReader header(wad, "WAD header");
+  const auto magic = header.number<std::array<char, 4>>();
+  if (const std::string_view kind(magic.data(), 4); kind != "IWAD" && kind != "PWAD") {
+    throw FormatError("WAD header: does not begin with IWAD or PWAD");
+  }
+  const auto count = header.number<std::int32_t>(), offset = header.number<std::int32_t>();
+  const std::int64_t end = offset + std::int64_t{count} * static_cast<std::int64_t>(sizeof(DirectoryEntry));
+  if (count < 0 || offset < 0 || end > static_cast<std::int64_t>(wad.size())) {
+    throw FormatError("WAD header: a directory of " + std::to_string(count) + " lumps at offset " +
+                      std::to_string(offset) + " lies outside the file of " + std::to_string(wad.size()) +
+                      " bytes");
+  }
+  std::vector<Lump> lumps;
+  for (const auto& entry : read_records<DirectoryEntry>(
+           wad.subspan(static_cast<std::size_t>(offset), count * sizeof(DirectoryEntry)), "WAD directory")) {
+    const std::string name = upper(std::string_view(entry.name, ::strnlen(entry.name, sizeof entry.name)));
+    // Markers have no bytes, and tools leave any offset with them.
+    if (entry.length != 0 &&
+        (entry.offset < 0 || entry.length < 0 ||
+         std::int64_t{entry.offset} + entry.length > static_cast<std::int64_t>(wad.size()))) {
+      throw FormatError("WAD directory: lump " + std::to_string(lumps.size()) + " (" + name + "): " +
+                        std::to_string(entry.length) + " bytes at offset " + std::to_string(entry.offset) +
+                        " lie outside the file of " + std::to_string(wad.size()) + " bytes");
+    }
+    lumps.push_back({name, entry.length == 0 ? std::span<const std::byte>()
+                                             : wad.subspan(static_cast<std::size_t>(entry.offset),
+                                                           static_cast<std::size_t>(entry.length))});
+  }
+  return lumps;
+}
+
+constexpr std::array map_lumps = {"THINGS", "LINEDEFS", "SIDEDEFS", "VERTEXES", "SEGS",    "SSECTORS",
+                                  "NODES",  "SECTORS",  "REJECT",   "BLOCKMAP", "BEHAVIOR"};
+
+bool begins_map(std::span<const Lump> lumps, std::size_t i) {
+  return i + 1 < lumps.size() && (lumps[i + 1].name == "THINGS" || lumps[i + 1].name == "TEXTMAP");
+}
+// The lumps after the map's name that belong to it.
+std::span<const Lump> lumps_of_map(std::span<const Lump> lumps, std::size_t marker) {
+  std::size_t end = marker + 1;
+  while (end < lumps.size() && end - marker <= map_lumps.size() &&
+         std::find(map_lumps.begin(), map_lumps.end(), lumps[end].name) != map_lumps.end()) {
+    ++end;
+  }
+  return lumps.subspan(marker + 1, end - marker - 1);
+}
+
+class MapLumps {
+ public:
+  MapLumps(std::span<const Lump> lumps, std::string map) : lumps_(lumps), map_(std::move(map)) {}
+
+  const Lump* find(const char* name) const {
+    for (const Lump& lump : lumps_) {
+      if (lump.name == name) return &lump;
+    }
+    return nullptr;
+  }
+  template <typename Record>
+  std::vector<Record> records(const char* name) const {
+    const Lump* lump = find(name);
+    if (lump == nullptr) refuse(name, "is missing");
+    return read_records<Record>(lump->bytes, label(name));
+  }
+  std::string label(const char* name) const { return map_ + ": " + name; }
+  [[noreturn]] void refuse(const char* name, const std::string& what) const {
+    throw FormatError(label(name) + ": " + what);
+  }
+  /// values[index], or the refusal of record `user` of lump `name`, which refers to it.
+  template <typename Record>
+  const Record& follow(const std::vector<Record>& values, std::size_t index, const char* of, const char* name,
+                       std::size_t user) const {
+    if (index >= values.size()) {
+      refuse(name, "record " + std::to_string(user) + ": " + of + " " + std::to_string(index) + " of only " +
+                       std::to_string(values.size()));
+    }
+    return values[index];
+  }
+
+ private:
+  std::span<const Lump> lumps_;
+  std::string map_;
+};
+
+constexpr std::uint16_t no_side = 0xffff;
+
+// The sector on each side of each line; none where there is no side.
+using LineSectors = std::array<std::optional<std::uint16_t>, 2>;
+
+std::vector<LineSectors> sectors_of_lines(const MapLumps& lumps, std::span<const Linedef> lines,
+                                          std::size_t sectors) {
+  const auto sides = lumps.records<Sidedef>("SIDEDEFS");
+  std::vector<LineSectors> result(lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const std::uint16_t side = lines[i].sides[k];
+      if (side == no_side) continue;
+      result[i][k] = lumps.follow(sides, side, "sidedef", "LINEDEFS", i).sector;
+      if (*result[i][k] >= sectors) {
+        lumps.refuse("SIDEDEFS", "record " + std::to_string(side) + ": sector " +
+                                     std::to_string(*result[i][k]) + " of only " + std::to_string(sectors));
+      }
+    }
+  }
+  return result;
+}
+
+VisibilityMatrix read_reject(const MapLumps& lumps, std::uint32_t sectors) {
+  const Lump* reject = lumps.find("REJECT");
+  const auto bytes = reject == nullptr ? std::span<const std::byte>() : reject->bytes;
+  const auto hidden = [&](std::uint64_t bit) {
+    return bit / 8 < bytes.size() && (std::to_integer<unsigned>(bytes[bit / 8]) >> (bit % 8) & 1) != 0;
+  };
+  // Counted before anything is allocated: the lump may be absent however many the sectors are.
+  const std::uint64_t pairs = std::uint64_t{sectors} * sectors;
+  std::uint64_t visible = pairs;
+  for (std::uint64_t bit = 0; bit < std::min<std::uint64_t>(pairs, bytes.size() * 8); ++bit)
+    visible -= hidden(bit);
+  if (visible > most_visible_pairs) {
+    lumps.refuse("REJECT", std::to_string(visible) + " pairs of " + std::to_string(sectors) +
+                               " sectors are not rejected; at most " + std::to_string(most_visible_pairs) +
+                               " are taken");
+  }
+  std::vector<std::uint64_t> offsets = {0};
+  std::vector<std::uint32_t> ids;
+  ids.reserve(visible);
+  for (std::uint32_t from = 0; from < sectors; ++from) {
+    for (std::uint32_t to = 0; to < sectors; ++to) {
+      if (!hidden(std::uint64_t{from} * sectors + to)) ids.push_back(to);
+    }
+    offsets.push_back(ids.size());
+  }
+  return VisibilityMatrix::from_csr({sectors, sectors}, std::move(offsets), std::move(ids));
+}
+
+void add_places(Level& level, const MapLumps& lumps, std::span<const Linedef> lines,
+                std::span<const LineSectors> sectors_of_line, std::span<const Sector> sectors) {
+  const auto vertices = lumps.records<Vertex>("VERTEXES");
+  std::vector<GrowingBox> boxes(sectors.size());
+  std::vector<std::vector<std::uint32_t>> neighbours(sectors.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const auto [right, left] = sectors_of_line[i];
+    for (const std::uint16_t end : {lines[i].from, lines[i].to}) {
+      const Vertex& vertex = lumps.follow(vertices, end, "vertex", "LINEDEFS", i);
+      for (const auto sector : {right, left}) {
+        if (!sector) continue;
+        for (const std::int16_t z : {sectors[*sector].floor, sectors[*sector].ceiling}) {
+          boxes[*sector].add(glm::vec3(vertex.x, vertex.y, z) * metres_per_level_unit);
+        }
+      }
+    }
+    if (right && left && right != left) {
+      neighbours[*right].push_back(*left);
+      neighbours[*left].push_back(*right);
+    }
+  }
+  for (const GrowingBox& box : boxes) level.cell_bounds.push_back(box.box());
+  for (auto& row : neighbours) {
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+  }
+  level.cell_neighbours = VisibilityMatrix::from_rows(neighbours, static_cast<std::uint32_t>(sectors.size()));
+}
+
+bool has_extended_nodes(const MapLumps& lumps) {
+  const Lump* nodes = lumps.find("NODES");
+  if (nodes == nullptr || nodes->bytes.size() < 4) return true;
+  const std::string_view magic(reinterpret_cast<const char*>(nodes->bytes.data()), 4);
+  return magic == "xNd4" || magic == "XNOD" || magic == "ZNOD" || magic == "XGLN" || magic == "ZGLN";
+}
+
+ObjectTree read_tree(const MapLumps& lumps, std::span<const LineSectors> sectors_of_line,
+                     std::uint32_t sectors) {
+  if (has_extended_nodes(lumps)) return {};
+  const auto segs = lumps.records<Seg>("SEGS");
+  const auto subsectors = lumps.records<Subsector>("SSECTORS");
+  std::vector<BspChildren> nodes;
+  for (const Node& node : lumps.records<Node>("NODES")) {
+    const auto child = [](std::uint16_t c) -> std::int32_t {
+      return c & 0x8000 ? ~std::int32_t{c & 0x7fff} : c;
+    };
+    nodes.push_back({child(node.children[0]), child(node.children[1])});
+  }
+  std::vector<std::vector<std::uint32_t>> sector_of_leaf(subsectors.size());
+  for (std::size_t i = 0; i < subsectors.size(); ++i) {
+    const Seg& seg = lumps.follow(segs, subsectors[i].first, "seg", "SSECTORS", i);
+    if (seg.line >= sectors_of_line.size() || seg.side > 1 || !sectors_of_line[seg.line][seg.side]) {
+      lumps.refuse("SEGS", "record " + std::to_string(subsectors[i].first) + ": side " +
+                               std::to_string(seg.side) + " of line " + std::to_string(seg.line) +
+                               " does not exist");
+    }
+    sector_of_leaf[i] = {*sectors_of_line[seg.line][seg.side]};
+  }
+  const auto walk = walk_bsp(nodes, static_cast<std::uint32_t>(nodes.size() - 1),
+                             static_cast<std::uint32_t>(subsectors.size()), lumps.label("NODES"));
+  return level_tree(walk, VisibilityMatrix::from_rows(sector_of_leaf, sectors));
+}
+
+}  // namespace
+
+std::vector<WadMap> doom_maps(std::span<const std::byte> wad) {
+  const auto lumps = read_directory(wad);
+  std::vector<WadMap> maps;
+  for (std::size_t i = 0; i < lumps.size(); ++i) {
+    if (!begins_map(lumps, i)) continue;
+    maps.push_back({lumps[i].name});
+    for (const Lump& lump : lumps_of_map(lumps, i)) maps.back().bytes += lump.bytes.size();
+  }
+  return maps;
+}
+
+Level parse_doom_map(std::span<const std::byte> wad, std::string_view map) {
+  const std::string name = upper(map);
+  const auto directory = read_directory(wad);
+  std::size_t marker = directory.size();
+  std::string there;  // the first few, for the message
+  std::size_t maps = 0;
+  for (std::size_t i = 0; i < directory.size(); ++i) {
+    if (!begins_map(directory, i)) continue;
+    if (directory[i].name == name) marker = i;
+    if (++maps <= 5) there += (maps > 1 ? ", " : "") + directory[i].name;
+  }
+  if (marker == directory.size()) {
+    throw FormatError("no map " + name + "; there " + (maps == 0 ? "is none" : "are " + there) +
+                      (maps > 5 ? " and " + std::to_string(maps - 5) + " more" : ""));
+  }
+  if (directory[marker + 1].name == "TEXTMAP") {
+    throw FormatError(name + ": is in the text format UDMF; only Doom's binary maps are read");
+  }
+  const MapLumps lumps(lumps_of_map(directory, marker), name);
+  if (lumps.find("BEHAVIOR") != nullptr)
+    throw FormatError(name + ": is in Hexen's format; only Doom's is read");
+
+  const auto sectors = lumps.records<Sector>("SECTORS");
+  if (sectors.empty() || sectors.size() > 65536) {
+    lumps.refuse("SECTORS", std::to_string(sectors.size()) + " sectors; a map has 1 to 65536");
+  }
+  const auto count = static_cast<std::uint32_t>(sectors.size());
+  const auto lines = lumps.records<Linedef>("LINEDEFS");
+  const auto sectors_of_line = sectors_of_lines(lumps, lines, sectors.size());
+  Level level;
+  level.format = "Doom";
+  level.cells_are = "sector";
+  level.cells = read_reject(lumps, count);
+  add_places(level, lumps, lines, sectors_of_line, sectors);
+  level.cell_tree = read_tree(lumps, sectors_of_line, count);
+  return level;
+}
+
+}  // namespace vismat

@@ -1,0 +1,104 @@
+#include "visibility/levels/pk3.h"
+
+#include <zip.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "matrix/byte_reader.h"
+
+namespace vismat {
+namespace {
+
+std::string reason(int code) {
+  zip_error_t error;
+  zip_error_init_with_code(&error, code);
+  const std::string text = zip_error_strerror(&error);
+  zip_error_fini(&error);
+  return text;
+}
+
+bool ends_in_bsp(const std::string& name) {
+  constexpr std::string_view ending = ".bsp";
+  return name.size() > ending.size() &&
+         std::equal(ending.rbegin(), ending.rend(), name.rbegin(),
+                    [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
+}
+
+}  // namespace
+
+struct Pk3::Archive {
+  zip_t* zip;
+  explicit Archive(zip_t* opened) : zip(opened) {}
+  ~Archive() { zip_discard(zip); }
+};
+
+Pk3::Pk3(const std::filesystem::path& path) {
+  int code = 0;
+  zip_t* zip = zip_open(path.c_str(), ZIP_RDONLY, &code);
+  if (zip == nullptr) throw std::runtime_error(path.string() + ": cannot open as .pk3: " + reason(code));
+  archive_ = std::make_shared<Archive>(zip);
+}
+
+Pk3::Pk3(std::span<const std::byte> bytes) {
+  zip_error_t error;
+  zip_error_init(&error);
+  zip_source_t* source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);
+  zip_t* zip = source == nullptr ? nullptr : zip_open_from_source(source, ZIP_RDONLY, &error);
+  const std::string text = zip_error_strerror(&error);
+  zip_error_fini(&error);
+  if (zip == nullptr) {
+    if (source != nullptr) zip_source_free(source);
+    throw FormatError("cannot open as .pk3: " + text);
+  }
+  archive_ = std::make_shared<Archive>(zip);
+}
+
+std::vector<Pk3::Map> Pk3::maps() const {
+  std::vector<Map> maps;
+  const zip_int64_t members = zip_get_num_entries(archive_->zip, 0);
+  for (zip_int64_t i = 0; i < members; ++i) {
+    zip_stat_t status;
+    if (zip_stat_index(archive_->zip, static_cast<zip_uint64_t>(i), ZIP_FL_ENC_RAW, &status) != 0) continue;
+    if (ends_in_bsp(status.name)) maps.push_back({status.name, status.size});
+  }
+  return maps;
+}
+
+std::vector<std::byte> Pk3::read(const std::string& member) const {
+  const zip_int64_t index = zip_name_locate(archive_->zip, member.c_str(), ZIP_FL_ENC_RAW);
+  if (index < 0) {
+    const auto there = maps();
+    std::string message = "no member '" + member + "'; its levels are";
+    for (std::size_t i = 0; i < std::min<std::size_t>(there.size(), 5); ++i) {
+      message += (i == 0 ? " " : ", ") + there[i].name;
+    }
+    if (there.size() > 5) message += " and " + std::to_string(there.size() - 5) + " more";
+    throw FormatError(message + (there.empty() ? " none" : ""));
+  }
+  const auto refuse_size = [&](std::uint64_t bytes, const char* verb) {
+    throw FormatError("member '" + member + "' " + verb + " " + std::to_string(bytes) + " bytes; at most " +
+                      std::to_string(most_member_bytes) + " are read");
+  };
+  zip_stat_t status;
+  if (zip_stat_index(archive_->zip, static_cast<zip_uint64_t>(index), 0, &status) == 0 &&
+      status.size > most_member_bytes) {
+    refuse_size(status.size, "claims");
+  }
+  const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(
+      zip_fopen_index(archive_->zip, static_cast<zip_uint64_t>(index), 0), zip_fclose);
+  if (!file) throw FormatError("member '" + member + "': " + zip_strerror(archive_->zip));
+  std::vector<std::byte> bytes;  // grows by what really comes out
+  constexpr std::size_t step = 1 << 20;
+  for (;;) {
+    const std::size_t have = bytes.size();
+    bytes.resize(have + step);
+    const zip_int64_t got = zip_fread(file.get(), bytes.data() + have, step);
+    if (got < 0) throw FormatError("member '" + member + "': " + zip_file_strerror(file.get()));
+    bytes.resize(have + static_cast<std::size_t>(got));
+    if (got == 0) return bytes;
+    if (bytes.size() > most_member_bytes) refuse_size(bytes.size(), "unpacks to more than");
+  }
+}
+
+}  // namespace vismat

@@ -1,0 +1,37 @@
+// Members of a .pk3, which is a zip.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vismat {
+
+/// Reads the directory at once, members on request. Every failure is a FormatError, or a std::runtime_error
+/// naming the path for a file that cannot be opened; trust nothing that a member says of its size, so a zip
+/// that claims gigabytes costs at most most_member_bytes of memory.
+class Pk3 {
+ public:
+  static constexpr std::uint64_t most_member_bytes =
+      256 << 20;  // the largest level of Debian's packages has 10.6 MB
+
+  explicit Pk3(const std::filesystem::path& path);
+  explicit Pk3(std::span<const std::byte> bytes);  // borrowed while *this lives
+
+  struct Map {
+    std::string name;
+    std::uint64_t bytes = 0;  // as the directory claims
+  };
+  std::vector<Map> maps() const;  // members that end in .bsp, in the archive's order
+  /// By exact name; where there is none the message lists the first maps there are.
+  std::vector<std::byte> read(const std::string& member) const;
+
+ private:
+  struct Archive;
+  std::shared_ptr<Archive> archive_;
+};
+
+}  // namespace vismat

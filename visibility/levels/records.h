@@ -1,0 +1,27 @@
+// Arrays of fixed-size records, as level files store them.
+#pragma once
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "matrix/byte_reader.h"
+
+namespace vismat {
+
+/// All the records of a lump; `lump_name` begins the FormatError thrown if the last one is cut off.
+template <typename Record>
+std::vector<Record> read_records(std::span<const std::byte> lump, const std::string& lump_name) {
+  static_assert(std::is_trivially_copyable_v<Record>);
+  if (lump.size() % sizeof(Record) != 0) {
+    throw FormatError(lump_name + ": " + std::to_string(lump.size()) + " bytes are no whole number of " +
+                      std::to_string(sizeof(Record)) + "-byte records");
+  }
+  std::vector<Record> records(lump.size() / sizeof(Record));
+  if (!records.empty()) std::memcpy(records.data(), lump.data(), lump.size());
+  return records;
+}
+
+}  // namespace vismat
