@@ -1,0 +1,213 @@
+#include "matrix/dataset.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <functional>
+
+#include "matrix/atomic_file.h"
+#include "matrix/byte_reader.h"
+#include "matrix/hdf5_file.h"
+#include "matrix/random.h"
+#include "tests/matrix/temporary_folder.h"
+
+namespace vismat {
+namespace {
+
+Dataset full_dataset() {
+  constexpr auto none = ObjectTree::none;
+  Dataset dataset;
+  dataset.matrix = VisibilityMatrix::from_rows({{0, 2}, {}, {1, 2}}, 3);
+  dataset.rows_are = "cluster";
+  dataset.columns_are = "face";
+  dataset.provenance = "level oa_test.bsp, seed 7";
+  dataset.guarantee = Guarantee::aggressive;
+  dataset.seed = 7;
+  dataset.row_bounds = {{{0, 0, 0}, {1, 1, 1}}, {{1, 0, 0}, {2, 1, 1}}, {{-3.5f, 0, 0}, {0, 1, 1e9f}}};
+  dataset.column_bounds = {{{0, 0, 0}, {1, 2, 3}}, {{5, 5, 5}, {6, 6, 6}}, {{9, 9, 9}, {9, 9, 9}}};
+  dataset.row_neighbours = VisibilityMatrix::from_rows({{1}, {0, 2}, {1}}, 3);
+  dataset.tree = ObjectTree::from_parents({none, 0, 0, 2, 2}, {none, 0, none, 1, 2}, 3);
+  return dataset;
+}
+
+Dataset large_dataset() {
+  Random random(3);
+  std::vector<std::vector<std::uint32_t>> rows(800);
+  for (auto& row : rows) {
+    for (std::uint32_t c = random.below(9); c < 3000; c += 1 + random.below(9)) row.push_back(c);
+  }
+  Dataset dataset;
+  dataset.matrix = VisibilityMatrix::from_rows(rows, 3000);
+  return dataset;
+}
+
+std::string refusal(const std::filesystem::path& path) {
+  try {
+    read_dataset(path);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Dataset, KeepsEverythingInBinsparse) {
+  const TemporaryFolder folder;
+  for (const Dataset& dataset : {Dataset{}, full_dataset(), over_nodes(full_dataset()), large_dataset()}) {
+    write_dataset(folder / "a.bsp.h5", dataset);
+    EXPECT_EQ(read_dataset(folder / "a.bsp.h5"), dataset);
+  }
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(Dataset, KeepsMatrixAndFactsInMatrixMarket) {
+  const TemporaryFolder folder;
+  write_dataset(folder / "a.mtx", full_dataset());
+  Dataset expected = full_dataset();
+  expected.row_bounds = expected.column_bounds = {};
+  expected.row_neighbours = std::nullopt;
+  expected.tree = std::nullopt;
+  EXPECT_EQ(read_dataset(folder / "a.mtx"), expected);
+}
+
+TEST(Dataset, IsToldByItsFirstBytes) {
+  const TemporaryFolder folder;
+  write_dataset(folder / "a.mtx", full_dataset());
+  write_dataset(folder / "b.h5", full_dataset());
+  std::filesystem::rename(folder / "a.mtx", folder / "c.h5");
+  std::filesystem::rename(folder / "b.h5", folder / "c.mtx");
+  EXPECT_EQ(read_dataset(folder / "c.h5").matrix, full_dataset().matrix);
+  EXPECT_EQ(read_dataset(folder / "c.mtx"), full_dataset());
+  std::ofstream(folder / "d.mtx") << "3 4 5\n";
+  EXPECT_NE(refusal(folder / "d.mtx").find("d.mtx: is neither"), std::string::npos);
+  EXPECT_NE(refusal(folder / "e").find("No such file"), std::string::npos);
+  EXPECT_THROW(write_dataset(folder / "a.txt", Dataset{}), std::invalid_argument);
+}
+
+TEST(Dataset, OverNodesUnitesWhatIsBelow) {
+  const Dataset nodes = over_nodes(full_dataset());
+  EXPECT_EQ(nodes.matrix, VisibilityMatrix::from_rows({{0, 1, 2, 4}, {}, {0, 2, 3, 4}}, 5));
+  EXPECT_TRUE(nodes.columns_are_nodes);
+  EXPECT_EQ(nodes.column_bounds[2], (Box{{5, 5, 5}, {9, 9, 9}}));
+  EXPECT_EQ(nodes.column_bounds[0], (Box{{0, 0, 0}, {9, 9, 9}}));
+}
+
+TEST(Dataset, SameDatasetSameBytes) {
+  const TemporaryFolder folder;
+  for (const char* ending : {".h5", ".mtx"}) {
+    const auto first = folder / (std::string("a") + ending), second = folder / (std::string("b") + ending);
+    write_dataset(first, full_dataset());
+    write_dataset(second, full_dataset());
+    EXPECT_EQ(read_file(first), read_file(second));
+  }
+}
+
+TEST(Dataset, RefusesGeometryThatDoesNotFit) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& words, const std::function<void(Dataset&)>& slip) {
+    Dataset dataset = full_dataset();
+    slip(dataset);
+    write_dataset(folder / "a.h5", dataset);
+    const std::string text = refusal(folder / "a.h5");
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+  };
+  refused("/vismat/row_bounds: box 2 is not finite", [](Dataset& d) { d.row_bounds[2].high[1] = NAN; });
+  refused("/vismat/column_bounds: box 0", [](Dataset& d) { d.column_bounds[0].low[2] = 4; });
+  refused("/vismat/row_neighbours/pointers_to_1: has 2 entries", [](Dataset& d) {
+    d.row_neighbours = VisibilityMatrix({1, 1});
+  });
+  refused("/vismat/tree: has 0 objects, but there are 3 columns", [](Dataset& d) { d.tree = ObjectTree(); });
+  refused("/vismat/tree: has 5 nodes, but there are 3 columns",
+          [](Dataset& d) { d.columns_are_nodes = true; });
+  refused("sees a node of /vismat/tree but not its parent", [](Dataset& d) {
+    d = over_nodes(d);
+    d.matrix = VisibilityMatrix::from_rows({{4}, {}, {}}, 5);
+  });
+  refused("/vismat/tree is missing", [](Dataset& d) {
+    d.columns_are_nodes = true;
+    d.tree = std::nullopt;
+  });
+}
+
+TEST(Dataset, EveryTruncationIsRefused) {
+  const TemporaryFolder folder;
+  write_dataset(folder / "a.h5", full_dataset());
+  write_dataset(folder / "b.h5", large_dataset());
+  for (const char* name : {"a.h5", "b.h5"}) {
+    const auto bytes = read_file(folder / name);
+    ASSERT_EQ(refusal(folder / name), "");
+    const std::size_t step = bytes.size() / 150;
+    for (std::size_t keep = 0; keep < bytes.size(); keep += step) {
+      write_file(folder / "cut.h5", std::span(bytes).first(keep));
+      EXPECT_NE(refusal(folder / "cut.h5"), "") << keep << " of " << bytes.size();
+    }
+  }
+}
+
+// The program: exit status, what it printed on stderr, and whether OUT came to be.
+struct Outcome {
+  int status;
+  std::string errors;
+};
+Outcome run_convert(const std::filesystem::path& in, const std::filesystem::path& out) {
+  const std::string command = std::string(VISMAT_PROGRAM) + " convert '" + in.string() + "' -o '" +
+                              out.string() + "' 2>&1 >/dev/null";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  Outcome run;
+  for (int c; (c = std::fgetc(pipe)) != EOF;) run.errors += static_cast<char>(c);
+  run.status = WEXITSTATUS(::pclose(pipe));
+  return run;
+}
+
+TEST(Convert, ConvertsBothWays) {
+  const TemporaryFolder folder;
+  write_dataset(folder / "a.bsp.h5", full_dataset());
+  EXPECT_EQ(run_convert(folder / "a.bsp.h5", folder / "b.mtx").status, 0);
+  EXPECT_EQ(run_convert(folder / "b.mtx", folder / "c.bsp.h5").status, 0);
+  EXPECT_EQ(read_dataset(folder / "c.bsp.h5"), read_dataset(folder / "b.mtx"));
+  EXPECT_EQ(read_dataset(folder / "c.bsp.h5").matrix, full_dataset().matrix);
+}
+
+TEST(Convert, BadFilesGiveOneLineAndNoOutput) {
+  const TemporaryFolder folder;
+  write_dataset(folder / "good.h5", large_dataset());
+  const auto good = read_file(folder / "good.h5");
+  std::vector<std::filesystem::path> bad;
+  for (const std::size_t keep :
+       {std::size_t{7}, std::size_t{100}, std::size_t{900}, good.size() / 2, good.size() - 1}) {
+    bad.push_back(folder / ("cut" + std::to_string(keep) + ".h5"));
+    write_file(bad.back(), std::span(good).first(keep));
+  }
+  Random random(11);  // scattered damage, which the library itself may not survive
+  for (int i = 0; i < 20; ++i) {
+    auto bytes = good;
+    for (int k = 0; k < 200; ++k) {
+      bytes[random.below(2048)] = static_cast<std::byte>(random.below(256));
+    }
+    std::memcpy(bytes.data(), good.data(), 8);
+    bad.push_back(folder / ("damaged" + std::to_string(i) + ".h5"));
+    write_file(bad.back(), bytes);
+  }
+  std::ofstream(folder / "short.mtx") << "%%MatrixMarket matrix coordinate pattern general\n3 4 5\n1 1\n";
+  bad.push_back(folder / "short.mtx");
+  bad.push_back(folder / "missing");
+  const std::size_t entries = folder.entries();
+  for (const auto& path : bad) {
+    const Outcome run = run_convert(path, folder / "out.mtx");
+    EXPECT_EQ(run.status, 1) << path;
+    EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
+    EXPECT_EQ(run.errors.find("vismat: " + path.string() + ": "), 0u) << run.errors;
+    EXPECT_EQ(folder.entries(), entries);
+  }
+  const Outcome run = run_convert(folder / "good.h5", folder / "nowhere/out.mtx");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.errors.find("nowhere/out.mtx"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace vismat
