@@ -200,7 +200,7 @@ class Binsparse(unittest.TestCase):
             with h5py.File(self.path / "a.h5", "a") as file:
                 del file["indices_1"]
                 data = file.create_dataset("indices_1", shape, "u4", **how)
-                if how and shape[0] <= 1 << 40:  # writing beyond crashes the HDF5 library
+                if how and shape == (1 << 40,):  # to write into the others crashes the HDF5 library
                     data[0] = 1
             self.refused(words)
         write(self.path / "a.h5", source, "CSR", "uint32")
