@@ -1,2 +1,237 @@
+// vismat info: what a file holds, whatever kind of file it is, told by its first bytes.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <span>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "cli/verbs.h"
-namespace vismat::cli { void add_info(CLI::App&) {} }
+#include "codecs/container.h"
+#include "matrix/atomic_file.h"
+#include "matrix/byte_reader.h"
+#include "matrix/dataset.h"
+#include "matrix/hdf5_file.h"
+#include "matrix/random.h"
+#include "visibility/levels/level_file.h"
+#include "visibility/scene.h"
+
+namespace vismat::cli {
+namespace {
+
+// Control characters of a hostile file would rearrange the terminal.
+std::string printable(std::string_view text) {
+  std::string result(text);
+  std::replace_if(
+      result.begin(), result.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
+  return result;
+}
+
+void line(const char* what, const std::string& value) {
+  std::printf("%-16s %s\n", what, printable(value).c_str());
+}
+
+// "729 330"
+std::string grouped(std::uint64_t number) {
+  std::string digits = std::to_string(number);
+  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, " ");
+  return digits;
+}
+
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+  std::array<char, 256> text;
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+std::uint32_t distinct_rows(const VisibilityMatrix& matrix) {
+  struct Row {
+    std::uint64_t hash;
+    std::span<const std::uint32_t> ids;
+  };
+  std::vector<Row> rows;
+  rows.reserve(matrix.shape().rows);
+  for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
+    std::uint64_t hash = 0;
+    for (const std::uint32_t id : matrix.row(r)) hash = Random(hash ^ id).next();
+    rows.push_back({hash, matrix.row(r)});
+  }
+  std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
+    if (a.hash != b.hash) return a.hash < b.hash;
+    return std::lexicographical_compare(a.ids.begin(), a.ids.end(), b.ids.begin(), b.ids.end());
+  });
+  const auto same = [](const Row& a, const Row& b) {
+    return a.hash == b.hash && std::equal(a.ids.begin(), a.ids.end(), b.ids.begin(), b.ids.end());
+  };
+  return static_cast<std::uint32_t>(std::unique(rows.begin(), rows.end(), same) - rows.begin());
+}
+
+void print_tree(const ObjectTree& tree) {
+  std::uint32_t leafs = 0, depth = 0, widest = 0;
+  std::vector<std::uint32_t> depths(tree.size(), 0);
+  for (std::uint32_t node = 0; node < tree.size(); ++node) {
+    const auto children = static_cast<std::uint32_t>(tree.children(node).size());
+    leafs += children == 0;
+    widest = std::max(widest, children);
+    if (node > 0) depths[node] = depths[tree.parent_of_node()[node]] + 1;
+    depth = std::max(depth, depths[node]);
+  }
+  line("tree", grouped(tree.size()) + " nodes over " + grouped(tree.object_count()) + " objects, " +
+                   grouped(leafs) + " leafs, depth " + std::to_string(depth) + ", at most " +
+                   std::to_string(widest) + " children");
+}
+
+void print_size(Shape shape, std::uint64_t ones) {
+  const double cells = static_cast<double>(shape.rows) * shape.columns;
+  line("shape", grouped(shape.rows) + " rows x " + grouped(shape.columns) + " columns");
+  line("ones", grouped(ones));
+  line("density", formatted("%.2f %%", cells == 0 ? 0 : 100 * static_cast<double>(ones) / cells));
+  line("bitmap", grouped(std::uint64_t{shape.rows} * ((std::uint64_t{shape.columns} + 7) / 8)) +
+                     " bytes, rows aligned to bytes");
+}
+
+void print_dataset(const Dataset& dataset) {
+  const VisibilityMatrix& matrix = dataset.matrix;
+  print_size(matrix.shape(), matrix.ones());
+  line("distinct",
+       grouped(distinct_rows(matrix)) + " rows, " + grouped(distinct_rows(transpose(matrix))) + " columns");
+  line("a row is a", dataset.rows_are);
+  line("a column is a", dataset.columns_are);
+  line("guarantee", std::string(to_string(dataset.guarantee)));
+  line("provenance", dataset.provenance.empty() ? "unknown" : dataset.provenance);
+  line("seed", dataset.seed ? std::to_string(*dataset.seed) : "none");
+  std::string geometry;
+  const auto add = [&](bool there, const std::string& name) {
+    if (there) geometry += (geometry.empty() ? "" : ", ") + name;
+  };
+  add(!dataset.row_bounds.empty(), "row boxes");
+  add(!dataset.column_bounds.empty(), "column boxes");
+  if (dataset.row_neighbours)
+    add(true, "row neighbours (" + grouped(dataset.row_neighbours->ones() / 2) + " pairs)");
+  line("geometry", geometry.empty() ? "none" : geometry);
+  if (!dataset.tree) return line("tree", "none");
+  print_tree(*dataset.tree);
+  if (dataset.columns_are_nodes) line("", "the columns are its nodes");
+}
+
+void print_scene(const SceneFile& file) {
+  line("vertices", grouped(file.scene.vertices.size()));
+  line("triangles", grouped(file.scene.indices.size() / 3));
+  line("objects", grouped(file.scene.object_count));
+  const auto range = formatted("%g to %g m above the ground", file.cells.eye_low, file.cells.eye_high);
+  line("view cells", grouped(file.cells.count()) + (file.cells.count() == 0 ? "" : ", eyes " + range));
+  line("neighbours", file.cells.neighbours ? grouped(file.cells.neighbours->ones() / 2) + " pairs" : "none");
+  line("provenance", file.provenance.empty() ? "unknown" : file.provenance);
+  line("seed", file.seed ? std::to_string(*file.seed) : "none");
+  if (file.tree) {
+    print_tree(*file.tree);
+  } else {
+    line("tree", "none");
+  }
+}
+
+void print_container(const Container& container) {
+  print_size(container.shape, container.ones);
+  line("codec", container.codec);
+  const std::size_t payload = container.encoded.payload.size();
+  const double ones = static_cast<double>(std::max<std::uint64_t>(container.ones, 1));
+  line("payload",
+       grouped(payload) + " bytes, " + formatted("%.3f bits a one", 8 * static_cast<double>(payload) / ones));
+  line("node index", grouped(container.encoded.node_index.size()) + " bytes");
+  line("row order", container.row_order ? "stored" : "as in the matrix");
+  if (container.tree) {
+    print_tree(*container.tree);
+  } else {
+    line("tree", "none");
+  }
+  std::istringstream facts(container.facts);
+  for (std::string fact; std::getline(facts, fact);) line("said of it", fact);
+}
+
+void print_level(const Level& level) {
+  line("format", level.format);
+  line("holds", summary(level));
+  print_size(level.cells.shape(), level.cells.ones());
+}
+
+// Prefixes the file's name to what reading it throws.
+template <typename Work>
+auto naming(const std::string& where, const Work& work) {
+  try {
+    return work();
+  } catch (const FormatError& error) {
+    throw FormatError(where + ": " + error.what());
+  }
+}
+
+std::string first_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(8, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  return bytes;
+}
+
+void print_levels(const std::string& file) {
+  const auto levels = list_levels(file);
+  line("levels", std::to_string(levels.size()));
+  for (const LevelListing& level : levels) {
+    std::printf("%16s bytes  %s\n", grouped(level.bytes).c_str(), printable(level.where).c_str());
+  }
+}
+
+// A path of a regular file, or FILE.pk3:MEMBER.
+void print_info(const std::string& where) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(where, ignored) && where.find(':') != std::string::npos) {
+    const Level level = read_level(where);
+    line("file", where + " (level)");
+    return print_level(level);
+  }
+  const std::string begin = first_bytes(where);
+  const auto title = [&](const char* kind) { line("file", where + " (" + kind + ")"); };
+  if (begin.starts_with("IBSP")) {
+    const Level level = read_level(where);
+    title("level");
+    print_level(level);
+  } else if (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD")) {
+    title("levels");
+    print_levels(where);
+  } else if (begin.starts_with("\x89VMAT")) {
+    const auto bytes = read_file(where);
+    const Container container = naming(where, [&] { return read_container(bytes); });
+    title("compressed matrix");
+    print_container(container);
+  } else if (is_hdf5(where) && naming(where, [&] { return Hdf5File::open(where).contains("/scene"); })) {
+    const SceneFile scene = read_scene(where);
+    title("scene");
+    print_scene(scene);
+  } else {
+    const Dataset dataset = read_dataset(where);
+    title(begin.starts_with("%%") ? "matrix, Matrix Market" : "matrix, Binsparse on HDF5");
+    print_dataset(dataset);
+  }
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  const auto file = std::make_shared<std::string>();
+  CLI::App* verb =
+      app.add_subcommand("info", "What a file holds: matrix, compressed matrix, scene or levels");
+  verb->add_option("FILE", *file,
+                   ".bsp.h5, .mtx, .vmat, .scene.h5, .bsp, .pk3, .wad, or a level in one: FILE:MAP")
+      ->required();
+  verb->footer(
+      "Example: vismat info koth1.bsp.h5\n"
+      "         vismat info pak6-patch085.pk3      (lists its levels)");
+  verb->callback([file] { print_info(*file); });
+}
+
+}  // namespace vismat::cli
