@@ -89,7 +89,6 @@ std::uint64_t container_checksum(std::span<const std::byte> bytes) {
 
 std::vector<std::byte> write_container(const Container& container) {
   std::vector<std::byte> out;
-  out.reserve(1024 + container.encoded.payload.size());  // and GCC 12 warns of a growth by 8 that cannot happen
   for (const unsigned char c : magic) out.push_back(static_cast<std::byte>(c));
   put(out, version);
   put(out, container.shape.rows);
