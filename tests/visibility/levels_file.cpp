@@ -1,0 +1,169 @@
+// Levels by their place: archives, the message when something is missing, and the program around them.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "matrix/atomic_file.h"
+#include "matrix/byte_reader.h"
+#include "tests/visibility/levels_tiny.h"
+#include "visibility/levels/level_file.h"
+#include "visibility/levels/pk3.h"
+#include "visibility/levels/quake3_bsp.h"
+
+namespace vismat {
+namespace {
+
+using tiny::refusal;
+
+class LevelFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "vismat-levels-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string write(const char* name, const tiny::Bytes& bytes) const {
+    write_file(folder_ / name, bytes);
+    return (folder_ / name).string();
+  }
+  /// The program's exit code and all it printed.
+  std::pair<int, std::string> vismat(const std::string& arguments) const {
+    std::FILE* pipe = ::popen(
+        ("cd '" + folder_.string() + "' && '" VISMAT_PROGRAM "' " + arguments + " 2>&1").c_str(), "r");
+    std::string output;
+    for (int c; (c = std::fgetc(pipe)) != EOF;) output += static_cast<char>(c);
+    return {WEXITSTATUS(::pclose(pipe)), output};
+  }
+  std::filesystem::path folder_;
+};
+
+tiny::Bytes tiny_pk3() {
+  return tiny::zip(
+      {{"maps/one.bsp", tiny::Quake().bytes(), true}, {"maps/one.aas", {}}, {"maps/TWO.BSP", {}}});
+}
+
+TEST_F(LevelFile, ReadsEachKind) {
+  const auto quake = tiny::Quake().bytes();
+  const Level direct = read_level(write("one.bsp", quake)),
+              packed = read_level(write("x.pk3", tiny_pk3()) + ":maps/one.bsp"),
+              doom = read_level(write("d.wad", tiny::Doom().bytes()) + ":map07");
+  EXPECT_EQ(direct.name, "one.bsp");
+  EXPECT_EQ(packed.name, "x.pk3:maps/one.bsp");
+  EXPECT_EQ(doom.name, "d.wad:map07");
+  EXPECT_EQ(direct.cells, parse_quake3_bsp(quake).cells);
+  EXPECT_EQ(packed.cells, direct.cells);
+  EXPECT_EQ(summary(direct),
+            "Quake 3 (IBSP 46): 3 clusters, each sees 77.8 % of them on average; 5 faces of 36 triangles; a "
+            "tree of 7 nodes");
+  EXPECT_EQ(summary(doom), "Doom: 3 sectors, each sees 77.8 % of them on average; a tree of 5 nodes");
+}
+
+TEST_F(LevelFile, ListsLevels) {
+  const auto pk3 = list_levels(write("x.pk3", tiny_pk3()));
+  ASSERT_EQ(pk3.size(), 2u);
+  EXPECT_EQ(pk3[0].where, (folder_ / "x.pk3").string() + ":maps/one.bsp");
+  EXPECT_EQ(pk3[0].bytes, tiny::Quake().bytes().size());
+  EXPECT_EQ(pk3[1].where, (folder_ / "x.pk3").string() + ":maps/TWO.BSP");
+  const auto wad = list_levels(write("d.wad", tiny::Doom().bytes()));
+  ASSERT_EQ(wad.size(), 1u);
+  EXPECT_EQ(wad[0].where, (folder_ / "d.wad").string() + ":MAP07");
+}
+
+TEST_F(LevelFile, NamesTheFileInEveryMessage) {
+  const std::string pk3 = write("x.pk3", tiny_pk3()), wad = write("d.wad", tiny::Doom().bytes());
+  const auto refused = [](const std::string& where) { return refusal([&] { read_level(where); }); };
+  EXPECT_EQ(refused(pk3), pk3 + ": holds 2 levels; name one, such as " + pk3 + ":maps/one.bsp");
+  EXPECT_EQ(refused(pk3 + ":maps/ONE.bsp"),
+            pk3 + ":maps/ONE.bsp: no member 'maps/ONE.bsp'; its levels are maps/one.bsp, maps/TWO.BSP");
+  EXPECT_EQ(refused(wad + ":MAP99"), wad + ":MAP99: no map MAP99; there are MAP07");
+  const std::string gone = (folder_ / "gone.bsp").string();
+  EXPECT_EQ(refused(gone), gone + ": cannot open this level");
+  EXPECT_EQ(refused(folder_.string()), folder_.string() + ": cannot open this level");
+  const std::string text = write("text.bsp", tiny::bytes_of<char>({'t', 'e', 'x', 't'}));
+  EXPECT_EQ(refused(text),
+            text + ": begins neither as a Quake-3 level (IBSP) nor as a .wad (IWAD, PWAD) or .pk3 (PK)");
+  const std::string broken = write("broken.pk3", tiny::bytes_of<char>({'P', 'K', 3, 4, 0}));
+  EXPECT_EQ(refused(broken + ":maps/one.bsp"), broken + ": cannot open as .pk3: Not a zip archive");
+}
+
+TEST_F(LevelFile, MissingMembersOfALargeArchiveListTheFirstFew) {
+  std::vector<tiny::ZipMember> members;
+  for (int i = 0; i < 9; ++i) members.push_back({"maps/" + std::to_string(i) + ".bsp", {}});
+  const auto bytes = tiny::zip(members);
+  EXPECT_EQ(
+      refusal([&] { Pk3(bytes).read("x"); }),
+      "no member 'x'; its levels are maps/0.bsp, maps/1.bsp, maps/2.bsp, maps/3.bsp, maps/4.bsp and 4 more");
+  const auto empty = tiny::zip({{"readme", {}}});
+  EXPECT_EQ(refusal([&] { Pk3(empty).read("x"); }), "no member 'x'; its levels are none");
+}
+
+TEST(Pk3, RefusesAMemberThatClaimsGigabytes) {
+  const auto bytes = tiny::zip({{"maps/one.bsp", tiny::Quake().bytes(), true, 0xfffffffe}});
+  EXPECT_EQ(refusal([&] { Pk3(bytes).read("maps/one.bsp"); }),
+            "member 'maps/one.bsp' claims 4294967294 bytes; at most 268435456 are read");
+}
+
+TEST(Pk3, RefusesAMemberThatUnpacksToMoreThanItClaims) {
+  const auto bytes = tiny::zip({{"maps/one.bsp", tiny::Bytes(std::size_t{257} << 20), true, 1000}});
+  ASSERT_LT(bytes.size(), 2u << 20);
+  EXPECT_THROW(Pk3(bytes).read("maps/one.bsp"), FormatError);
+}
+
+TEST(Pk3, RefusesAMemberWhoseChecksumIsWrong) {
+  auto bytes = tiny::zip({{"maps/one.bsp", tiny::Quake().bytes()}});
+  bytes[200] ^= std::byte{1};
+  EXPECT_EQ(refusal([&] { Pk3(bytes).read("maps/one.bsp"); }), "member 'maps/one.bsp': CRC error");
+}
+
+TEST(Pk3, EveryShorterPrefixIsRefused) {
+  const auto bytes = tiny_pk3();
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_THROW(Pk3(std::span(bytes).first(size)).read("maps/one.bsp"), FormatError) << size;
+  }
+}
+
+TEST_F(LevelFile, TheProgramImports) {
+  write("one.bsp", tiny::Quake().bytes());
+  EXPECT_EQ(
+      vismat("import one.bsp -o one.bsp.h5 --matrix faces --tree level --scene one.scene.h5"),
+      (std::pair{0, std::string("one.bsp.h5: 3 clusters x 5 faces, 80.0 % visible, a tree of 9 nodes\n")}));
+  EXPECT_EQ(
+      vismat("import one.bsp -o nodes.bsp.h5 --nodes"),
+      (std::pair{0, std::string("nodes.bsp.h5: 3 clusters x 4 nodes, 83.3 % visible, a tree of 4 nodes\n")}));
+  const Dataset dataset = read_dataset(folder_ / "one.bsp.h5");
+  Level level = parse_quake3_bsp(tiny::Quake().bytes());
+  level.name = "one.bsp";
+  EXPECT_EQ(dataset, level_dataset(level, LevelMatrix::faces, LevelTree::level));
+  EXPECT_EQ(vismat("tree one.bsp.h5 -o tree.bsp.h5 --arity 2"),
+            (std::pair{0, std::string("tree.bsp.h5: a tree of 9 nodes over 5 objects\n")}));
+  EXPECT_EQ(read_dataset(folder_ / "tree.bsp.h5").matrix, dataset.matrix);
+  EXPECT_EQ(
+      vismat("tree nodes.bsp.h5 -o x.bsp.h5"),
+      (std::pair{1, std::string("vismat: nodes.bsp.h5: its columns are the nodes of a tree already\n")}));
+}
+
+TEST_F(LevelFile, TheProgramRefusesInOneLineAndWritesNothing) {
+  tiny::Quake quake;
+  quake.leafs[2].cluster = 3;
+  write("bad.bsp", quake.bytes());
+  write("d.wad", tiny::Doom().bytes());
+  const auto refused = [&](const std::string& arguments, const std::string& message) {
+    EXPECT_EQ(vismat(arguments + " -o out.bsp.h5"), (std::pair{1, "vismat: " + message + "\n"}));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out.bsp.h5"));
+  };
+  refused("import bad.bsp", "bad.bsp: lump 4 (leafs): leaf 2: cluster 3 of only 3");
+  refused("import gone.bsp", "gone.bsp: cannot open this level");
+  refused("import d.wad:MAP07 --matrix faces",
+          "d.wad:MAP07: a Doom level without faces; take the matrix of cells");
+  refused("import d.wad:MAP07 --scene s.scene.h5",
+          "d.wad:MAP07: a Doom level without faces has no scene to write");
+  refused("import d.wad:MAP07 --tree none --nodes", "--nodes needs a tree: --tree bounds or --tree level");
+  refused("import d.wad:MAP07 --tree some", "--tree: some not in {none,bounds,level}");
+}
+
+}  // namespace
+}  // namespace vismat
