@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <iomanip>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -41,15 +43,20 @@ double median_seconds(const auto& work) {
   return runs[runs.size() / 2];
 }
 
-std::string quoted(std::string text) {
-  for (std::size_t i = 0; (i = text.find('"', i)) != std::string::npos; i += 2) text.insert(i, 1, '"');
-  return '"' + text + '"';
+// A line of comma-separated values; text with commas is given quoted.
+std::string csv_line(const auto&... values) {
+  std::ostringstream line;
+  line << std::setprecision(6);
+  ((line << values << ','), ...);
+  std::string text = line.str();
+  text.back() = '\n';
+  return text;
 }
 
-std::string format(const char* pattern, auto... values) {
-  std::string text(std::size_t(std::snprintf(nullptr, 0, pattern, values...)), '\0');
-  std::snprintf(text.data(), text.size() + 1, pattern, values...);
-  return text;
+std::string quoted(std::string_view text) {
+  std::ostringstream out;
+  out << std::quoted(text, '"', '"');
+  return out.str();
 }
 
 std::string name_of(const std::filesystem::path& path) {
@@ -77,16 +84,37 @@ std::vector<Order> orders_of(const Dataset& data) {
   return orders;
 }
 
-void measure(const std::filesystem::path& path, std::string& scenes, std::string& table) {
+struct Measurement {
+  Encoded encoded;
+  double encode_s = 0, decode_s = 0;
+  LengthStatistics lengths;
+  double average_run() const {
+    return static_cast<double>(lengths.bits) / static_cast<double>(lengths.lengths);
+  }
+};
+
+// Throws std::logic_error, naming the codec, unless decoding gives the matrix back.
+Measurement measure(const Codec& codec, const VisibilityMatrix& matrix, const ObjectTree& tree) {
+  Measurement m{codec.encode(matrix, &tree), 0, 0, length_statistics(codec, matrix, &tree)};
+  const auto decode = [&] {
+    return codec.decode(m.encoded.payload, m.encoded.node_index, matrix.shape(), &tree);
+  };
+  if (decode() != matrix) throw std::logic_error(std::string(codec.name) + " does not restore its matrix");
+  m.encode_s = median_seconds([&] { codec.encode(matrix, &tree); });
+  m.decode_s = median_seconds(decode);
+  return m;
+}
+
+// One line of Table 1 and, for each codec and row order, one of Table 2; the latter on the terminal too.
+void add_tables(const std::filesystem::path& path, std::string& scenes, std::string& table) {
   Dataset data = read_dataset(path);
   if (data.tree && !data.columns_are_nodes) data = over_nodes(data);
   if (!data.tree)
     throw std::invalid_argument(path.string() + ": has no tree; make one with 'vismat tree --nodes'");
   const std::string name = name_of(path);
   const Shape shape = data.matrix.shape();
-  scenes += format("%s,%u,%u,%.6f,%llu,%s,%s\n", name.c_str(), shape.rows, shape.columns,
-                   data.matrix.density(), static_cast<unsigned long long>(data.matrix.ones()),
-                   std::string(to_string(data.guarantee)).c_str(), quoted(data.provenance).c_str());
+  scenes += csv_line(name, shape.rows, shape.columns, data.matrix.density(), data.matrix.ones(),
+                     to_string(data.guarantee), quoted(data.provenance));
   std::printf("\n%s: %u view cells, %u occludees, average visibility %.1f %%\n", name.c_str(), shape.rows,
               shape.columns, data.matrix.density() * 100);
   std::printf("  %-14s %-11s %12s %8s %10s %10s %9s %9s %9s\n", "method", "cell order", "bytes", "ratio",
@@ -95,33 +123,23 @@ void measure(const std::filesystem::path& path, std::string& scenes, std::string
     const std::uint64_t order_bytes = order.name == "natural" ? 0 : permutation_bytes(shape.rows);
     for (const Codec& codec : all_codecs()) {
       if (order.name == "neighbours" && !codec.wants_row_order) continue;
-      const ObjectTree* tree = &*data.tree;
-      const Encoded encoded = codec.encode(order.matrix, tree);
-      const auto decode = [&] { return codec.decode(encoded.payload, encoded.node_index, shape, tree); };
-      if (decode() != order.matrix)
-        throw std::logic_error(std::string(codec.name) + " does not restore " + path.string());
-      const double encode_s = median_seconds([&] { codec.encode(order.matrix, tree); });
-      const double decode_s = median_seconds(decode);
-      const LengthStatistics lengths = length_statistics(codec, order.matrix, tree);
-      const double average_run =
-          lengths.lengths == 0 ? 0 : static_cast<double>(lengths.bits) / static_cast<double>(lengths.lengths);
-      const double ratio =
-          static_cast<double>(bitmap_size(shape)) / static_cast<double>(encoded.payload.size());
-      const std::string run = average_run > 0 ? format("%.2f", average_run) : "";
-      std::printf("  %-14s %-11s %12zu %7.2fx %10zu %10llu %9s %9.1f %9.1f\n",
-                  std::string(codec.name).c_str(), order.name.c_str(), encoded.payload.size(), ratio,
-                  encoded.node_index.size(), static_cast<unsigned long long>(order_bytes), run.c_str(),
-                  encode_s * 1e3, decode_s * 1e3);
-      table +=
-          format("%s,%u,%u,%llu,%s,%s,%zu,%.4f,%s,%zu,%llu,%s,%.6f,%.6f,%.3f,%s\n", name.c_str(), shape.rows,
-                 shape.columns, static_cast<unsigned long long>(data.matrix.ones()), order.name.c_str(),
-                 std::string(codec.name).c_str(), encoded.payload.size(), ratio,
-                 quoted(std::string(codec.contents)).c_str(), encoded.node_index.size(),
-                 static_cast<unsigned long long>(order_bytes), run.c_str(), encode_s, decode_s, order.seconds,
-                 lengths.lengths == 0 ? "" : format("%.0f", lengths.entropy_bytes).c_str());
+      const Measurement m = measure(codec, order.matrix, *data.tree);
+      const std::size_t bytes = m.encoded.payload.size(), index_bytes = m.encoded.node_index.size();
+      const double ratio = static_cast<double>(bitmap_size(shape)) / static_cast<double>(bytes);
+      std::ostringstream run, entropy;  // empty for methods that code no lengths
+      if (m.lengths.lengths > 0) {
+        run << std::fixed << std::setprecision(2) << m.average_run();
+        entropy << std::fixed << std::setprecision(0) << m.lengths.entropy_bytes;
+      }
+      std::printf("  %-14s %-11s %12zu %7.2fx %10zu %10ju %9s %9.1f %9.1f\n", codec.name.data(),
+                  order.name.c_str(), bytes, ratio, index_bytes, std::uintmax_t{order_bytes},
+                  run.str().c_str(), m.encode_s * 1e3, m.decode_s * 1e3);
+      std::fflush(stdout);
+      table += csv_line(name, shape.rows, shape.columns, data.matrix.ones(), order.name, codec.name, bytes,
+                        ratio, quoted(codec.contents), index_bytes, order_bytes, run.str(), m.encode_s,
+                        m.decode_s, order.seconds, entropy.str());
     }
   }
-  std::fflush(stdout);
 }
 
 }  // namespace
@@ -139,7 +157,7 @@ int main(int argc, char** argv) {
         "matrix,rows,columns,ones,order,codec,bytes,ratio,payload_contains,index_bytes,order_bytes,average_"
         "run,encode_s,"
         "decode_s,seconds_order,entropy_bytes\n";
-    for (const auto& file : files) measure(file, scenes, table);
+    for (const auto& file : files) add_tables(file, scenes, table);
     write_file(out / "zach2003_scenes.csv", std::as_bytes(std::span(scenes)));
     write_file(out / "zach2003.csv", std::as_bytes(std::span(table)));
   } catch (const std::exception& error) {

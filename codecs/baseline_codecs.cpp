@@ -58,7 +58,7 @@ Encoded gzip_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
   const auto bitmap = bitmap_bytes(matrix);
   Encoded out;
   z_stream stream{};
-  if (deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
+  if (deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
   pump<Bytef>(stream, bitmap, out.payload, unlimited,
               [&](bool last) { return zlib_step(deflate(&stream, last ? Z_FINISH : Z_NO_FLUSH)); });
   deflateEnd(&stream);
