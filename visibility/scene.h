@@ -22,14 +22,17 @@ struct Scene {
 /// One box an object; an object without triangles gets the empty box [0, 0].
 std::vector<Box> object_bounds(const Scene& scene);
 
-/// Prisms over triangles of the ground: a viewer stands at a point of the triangle, eyes between the two heights
-/// above it.
+/// Prisms over triangles of the ground: a viewer stands at a point of the triangle, eyes between the two
+/// heights above it.
 struct ViewCells {
   std::vector<glm::vec3> corners;  // 3 per cell
   float eye_low = 1.6f, eye_high = 1.6f;
   std::optional<VisibilityMatrix> neighbours;  // cells x cells: which share an edge
   std::uint32_t count() const { return static_cast<std::uint32_t>(corners.size() / 3); }
 };
+
+/// One box a cell, from the lowest eye to the highest.
+std::vector<Box> cell_bounds(const ViewCells& cells);
 
 /// What a `.scene.h5` file holds.
 struct SceneFile {

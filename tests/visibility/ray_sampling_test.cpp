@@ -1,0 +1,232 @@
+#include "visibility/ray_sampling.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "matrix/random.h"
+#include "visibility/city.h"
+
+namespace vismat {
+namespace {
+
+using Ids = std::vector<std::uint32_t>;
+
+/// Object `scene.object_count`: the walls and roof of a box.
+void add_box(Scene& scene, const Box& box) {
+  const auto first = static_cast<std::uint32_t>(scene.vertices.size());
+  for (unsigned c = 0; c < 8; ++c) {
+    scene.vertices.emplace_back((c & 1 ? box.high : box.low)[0], (c & 2 ? box.high : box.low)[1],
+                                (c & 4 ? box.high : box.low)[2]);
+  }
+  for (const auto& [a, b, c, d] :
+       {std::array{0u, 1u, 5u, 4u}, std::array{1u, 3u, 7u, 5u}, std::array{3u, 2u, 6u, 7u},
+        std::array{2u, 0u, 4u, 6u}, std::array{4u, 5u, 7u, 6u}}) {
+    for (const std::uint32_t corner : {a, b, c, a, c, d}) scene.indices.push_back(first + corner);
+    scene.object_of_triangle.insert(scene.object_of_triangle.end(), 2, scene.object_count);
+  }
+  ++scene.object_count;
+}
+
+/// A small cell about (x, y).
+void add_cell(ViewCells& cells, float x, float y) {
+  cells.corners.insert(cells.corners.end(), {{x - 1, y - 1, 0}, {x + 1, y - 1, 0}, {x, y + 1, 0}});
+}
+
+Ids row(const VisibilityMatrix& matrix, std::uint32_t r) {
+  return {matrix.row(r).begin(), matrix.row(r).end()};
+}
+
+TEST(RaySampling, WallHidesWhatIsBehindIt) {
+  Scene scene;
+  add_box(scene, {{-100, 10, 0}, {100, 11, 10}});  // 0: the wall
+  add_box(scene, {{-5, -20, 0}, {5, -15, 5}});     // 1: in the open
+  add_box(scene, {{-5, 20, 0}, {5, 25, 5}});       // 2: behind the wall
+  ViewCells cells;
+  add_cell(cells, 0, 0);
+  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1}));
+}
+
+TEST(RaySampling, TwoSidesOfAWall) {
+  Scene scene;
+  add_box(scene, {{-1000, -1, 0}, {1000, 1, 10}});
+  add_box(scene, {{-5, -20, 0}, {5, -15, 5}});
+  add_box(scene, {{-5, 20, 0}, {5, 25, 5}});
+  ViewCells cells;
+  add_cell(cells, 0, -8);
+  add_cell(cells, 0, 8);
+  const SeenByRays seen = see_by_rays(scene, cells);
+  EXPECT_EQ(seen.objects, VisibilityMatrix::from_rows({{0, 1}, {0, 2}}, 3));
+  EXPECT_EQ(seen.last_yield.size(), 2u);
+  EXPECT_GT(seen.rays, 0u);
+}
+
+TEST(RaySampling, TowersRiseOverRoofs) {
+  Scene scene;
+  add_box(scene, {{-100, 10, 0}, {100, 12, 4}});  // 0: a low wall
+  add_box(scene, {{-5, 30, 0}, {5, 40, 3}});      // 1: lower still
+  add_box(scene,
+          {{-5, 100, 0}, {5, 110, 40}});  // 2: a tower: eyes at 1.6 m and the wall leave 26 m hidden there
+  add_box(scene, {{-5, 200, 0}, {5, 210, 60}});   // 3: hidden by the tower's 38 m at twice the distance
+  add_box(scene, {{40, 200, 0}, {50, 210, 60}});  // 4: beside the tower
+  ViewCells cells;
+  add_cell(cells, 0, 0);
+  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 2, 4}));
+}
+
+TEST(RaySampling, FindsWhatANarrowGapShows) {
+  Scene scene;
+  add_box(scene, {{-100, 20, 0}, {-0.01f, 21, 50}});
+  add_box(scene, {{0.01f, 20, 0}, {100, 21, 50}});
+  add_box(scene, {{-10, 100, 0}, {10, 110, 20}});
+  ViewCells cells;
+  add_cell(cells, 0, 0);
+  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1, 2}));
+}
+
+TEST(RaySampling, EyesBetweenTwoHeightsSeeFromBoth) {
+  Scene scene;
+  add_box(scene, {{-100, 10, 0}, {100, 11, 5}});
+  add_box(scene, {{-5, 20, 0}, {5, 25, 4}});
+  ViewCells cells;
+  add_cell(cells, 0, 0);
+  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0}));
+  cells.eye_high = 20;
+  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1})) << "over the wall, down to the roof";
+}
+
+/// A slow, obvious judge: rays in all directions, tested against every box.
+Ids seen_by_plain_rays(const std::vector<Box>& boxes, const ViewCells& cells, std::uint32_t cell,
+                       unsigned rays) {
+  Random random(5, cell);
+  std::vector<bool> seen(boxes.size(), false);
+  const glm::vec3* corner = &cells.corners[std::size_t{3} * cell];
+  for (unsigned i = 0; i < rays; ++i) {
+    float u = random.unit(), v = random.unit();
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    glm::vec3 origin = corner[0] + (corner[1] - corner[0]) * u + (corner[2] - corner[0]) * v;
+    origin.z += cells.eye_low;
+    const float angle = random.between(0, 6.2831853f), slope = random.unit();
+    const glm::vec3 direction(std::cos(angle), std::sin(angle), slope * slope * 0.7f);
+    float nearest = std::numeric_limits<float>::infinity();
+    std::size_t hit = boxes.size();
+    for (std::size_t b = 0; b < boxes.size(); ++b) {
+      float in = 0, out = nearest;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float low = (boxes[b].low[axis] - origin[axis]) / direction[axis];
+        const float high = (boxes[b].high[axis] - origin[axis]) / direction[axis];
+        in = std::max(in, std::min(low, high));
+        out = std::min(out, std::max(low, high));
+      }
+      if (in < out) nearest = in, hit = b;
+    }
+    if (hit < boxes.size()) seen[hit] = true;
+  }
+  Ids ids;
+  for (std::uint32_t b = 0; b < boxes.size(); ++b) {
+    if (seen[b]) ids.push_back(b);
+  }
+  return ids;
+}
+
+TEST(RaySampling, FindsWhatPlainRaysFind) {
+  CityOptions options;
+  options.size = 8;
+  const SceneFile city = make_city(options);
+  const std::vector<Box> boxes = object_bounds(city.scene);
+  const VisibilityMatrix objects = see_by_rays(city.scene, city.cells).objects;
+  std::size_t reference = 0, missed = 0;
+  for (std::uint32_t cell = 0; cell < city.cells.count(); cell += 37) {
+    for (const std::uint32_t object : seen_by_plain_rays(boxes, city.cells, cell, 20000)) {
+      ++reference;
+      missed += !objects.contains(cell, object);
+    }
+  }
+  EXPECT_GT(reference, 150u);
+  EXPECT_LE(missed * 200, reference) << missed << " of " << reference;
+}
+
+TEST(RaySampling, MonotoneOverTheTree) {
+  CityOptions options;
+  options.size = 8;
+  const SceneFile city = make_city(options);
+  const VisibilityMatrix nodes = nodes_from_objects(see_by_rays(city.scene, city.cells).objects, *city.tree);
+  EXPECT_TRUE(is_monotone(nodes, *city.tree));
+  for (std::uint32_t cell = 0; cell < nodes.shape().rows; ++cell) EXPECT_TRUE(nodes.contains(cell, 0));
+}
+
+TEST(RaySampling, SameForAnyNumberOfThreadsAndAnotherForAnotherSeed) {
+  CityOptions options;
+  options.size = 8;
+  const SceneFile city = make_city(options);
+  RaySamplingOptions rays;
+  rays.passes = 2;
+  rays.origins = 1;
+  rays.directions = 16;
+  rays.threads = 1;
+  const SeenByRays one = see_by_rays(city.scene, city.cells, rays);
+  rays.threads = 2;
+  const SeenByRays two = see_by_rays(city.scene, city.cells, rays);
+  EXPECT_EQ(one.objects, two.objects);
+  EXPECT_EQ(one.rays, two.rays);
+  EXPECT_EQ(one.last_yield, two.last_yield);
+  rays.seed = 2;
+  EXPECT_NE(see_by_rays(city.scene, city.cells, rays).objects, one.objects);
+}
+
+TEST(RaySampling, NothingToSeeAndNobodyToSeeIt) {
+  Scene scene;
+  ViewCells cells;
+  EXPECT_EQ(see_by_rays(scene, cells).objects.shape(), (Shape{0, 0}));
+  add_cell(cells, 0, 0);
+  EXPECT_EQ(see_by_rays(scene, cells).objects, VisibilityMatrix(Shape{1, 0}));
+  add_box(scene, {{10, 10, 0}, {20, 20, 5}});
+  scene.object_count = 2;  // the second without triangles
+  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), Ids{0});
+  EXPECT_EQ(see_by_rays(scene, {}).objects.shape(), (Shape{0, 2}));
+}
+
+TEST(RaySampling, OddCellsAndObjects) {
+  Scene scene;
+  add_box(scene, {{-10, -10, 0}, {10, 10, 5}});
+  add_box(scene, {{30, 0, 0}, {30, 0, 0}});      // a point
+  add_box(scene, {{20, -5, 0}, {20, 5, 1e9f}});  // a sheet, very tall
+  ViewCells cells;
+  add_cell(cells, 0, 0);                                     // within a box
+  cells.corners.insert(cells.corners.end(), 3, {15, 0, 0});  // a point
+  cells.corners.insert(cells.corners.end(), {{-1e9f, 0, 0}, {1e9f, 0, 0}, {0, 1e9f, 0}});
+  const VisibilityMatrix objects = see_by_rays(scene, cells).objects;
+  EXPECT_EQ(row(objects, 0), Ids{0});
+  EXPECT_EQ(row(objects, 1), (Ids{0, 2}));
+}
+
+TEST(RaySampling, RefusesToLookNowhere) {
+  for (const auto member :
+       {&RaySamplingOptions::passes, &RaySamplingOptions::origins, &RaySamplingOptions::directions}) {
+    RaySamplingOptions options;
+    options.*member = 0;
+    EXPECT_THROW(see_by_rays({}, {}, options), std::invalid_argument);
+  }
+  RaySamplingOptions options;
+  options.enough_yield = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(see_by_rays({}, {}, options), std::invalid_argument);
+}
+
+TEST(RaySampling, ProgressEndsAtAll) {
+  Scene scene;
+  add_box(scene, {{10, 10, 0}, {20, 20, 5}});
+  ViewCells cells;
+  add_cell(cells, 0, 0);
+  std::uint64_t last = 0, of = 1, calls = 0;
+  see_by_rays(scene, cells, {}, [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_LE(done, total);
+    last = done, of = total, ++calls;
+  });
+  EXPECT_GT(calls, 1u);
+  EXPECT_EQ(last, of);
+}
+
+}  // namespace
+}  // namespace vismat

@@ -1,0 +1,166 @@
+#include "visibility/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "matrix/atomic_file.h"
+#include "matrix/byte_reader.h"
+#include "matrix/hdf5_file.h"
+#include "tests/matrix/temporary_folder.h"
+
+namespace vismat {
+namespace {
+
+/// Two triangles, one an object; two cells that touch; a root with two leafs.
+SceneFile small_scene() {
+  SceneFile file;
+  file.scene.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 0, 3}, {5, 1, 0}, {6, 1, 0}, {5, 2, 4}};
+  file.scene.indices = {0, 1, 2, 3, 4, 5};
+  file.scene.object_of_triangle = {0, 1};
+  file.scene.object_count = 2;
+  file.cells.corners = {{0, 0, 0}, {9, 0, 0}, {9, 9, 0}, {0, 0, 0}, {9, 9, 0}, {0, 9, 1}};
+  file.cells.eye_low = 1;
+  file.cells.eye_high = 2;
+  file.cells.neighbours = VisibilityMatrix::from_rows({{1}, {0}}, 2);
+  file.tree = ObjectTree::from_parents({ObjectTree::none, 0, 0}, {ObjectTree::none, 0, 1}, 2);
+  file.provenance = "by hand";
+  file.seed = 7;
+  return file;
+}
+
+TEST(Scene, BoundsOfObjects) {
+  Scene scene = small_scene().scene;
+  scene.object_count = 3;
+  const std::vector<Box> bounds = object_bounds(scene);
+  ASSERT_EQ(bounds.size(), 3u);
+  EXPECT_EQ(bounds[0], (Box{{0, 0, 0}, {1, 0, 3}}));
+  EXPECT_EQ(bounds[1], (Box{{5, 1, 0}, {6, 2, 4}}));
+  EXPECT_EQ(bounds[2], Box{}) << "no triangles: the empty box";
+}
+
+TEST(Scene, BoundsOfCellsReachFromTheLowestEyeToTheHighest) {
+  const std::vector<Box> bounds = cell_bounds(small_scene().cells);
+  ASSERT_EQ(bounds.size(), 2u);
+  EXPECT_EQ(bounds[0], (Box{{0, 0, 1}, {9, 9, 2}}));
+  EXPECT_EQ(bounds[1], (Box{{0, 0, 1}, {9, 9, 3}}));
+}
+
+TEST(Scene, RoundTrip) {
+  const TemporaryFolder folder;
+  const SceneFile before = small_scene();
+  write_scene(folder / "a.scene.h5", before);
+  const SceneFile after = read_scene(folder / "a.scene.h5");
+  EXPECT_EQ(after.scene.vertices, before.scene.vertices);
+  EXPECT_EQ(after.scene.indices, before.scene.indices);
+  EXPECT_EQ(after.scene.object_of_triangle, before.scene.object_of_triangle);
+  EXPECT_EQ(after.scene.object_count, before.scene.object_count);
+  EXPECT_EQ(after.cells.corners, before.cells.corners);
+  EXPECT_EQ(after.cells.eye_low, before.cells.eye_low);
+  EXPECT_EQ(after.cells.eye_high, before.cells.eye_high);
+  EXPECT_EQ(after.cells.neighbours, before.cells.neighbours);
+  EXPECT_EQ(after.tree, before.tree);
+  EXPECT_EQ(after.provenance, before.provenance);
+  EXPECT_EQ(after.seed, before.seed);
+}
+
+TEST(Scene, WhatIsNotKnownStaysUnknown) {
+  const TemporaryFolder folder;
+  SceneFile before = small_scene();
+  before.cells.neighbours.reset();
+  before.tree.reset();
+  before.seed.reset();
+  write_scene(folder / "a.scene.h5", before);
+  const SceneFile after = read_scene(folder / "a.scene.h5");
+  EXPECT_FALSE(after.cells.neighbours);
+  EXPECT_FALSE(after.tree);
+  EXPECT_FALSE(after.seed);
+}
+
+struct Hostile {
+  const char* name;
+  std::function<void(SceneFile&)> spoil;
+  const char* message;  // part of what must be said
+};
+
+class HostileScene : public testing::TestWithParam<Hostile> {};
+
+TEST_P(HostileScene, IsRefusedInOneLineThatSaysWhere) {
+  const TemporaryFolder folder;
+  SceneFile file = small_scene();
+  GetParam().spoil(file);
+  write_scene(folder / "bad.scene.h5", file);
+  try {
+    read_scene(folder / "bad.scene.h5");
+    FAIL() << "was accepted";
+  } catch (const FormatError& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("bad.scene.h5: "), std::string::npos) << message;
+    EXPECT_NE(message.find(GetParam().message), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+}
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
+                infinity = std::numeric_limits<float>::infinity();
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, HostileScene,
+    testing::Values(
+        Hostile{"NanVertex", [](SceneFile& f) { f.scene.vertices[4].y = nan; }, "/scene/vertices, entry 4"},
+        Hostile{"EndlessVertex", [](SceneFile& f) { f.scene.vertices[5].z = -infinity; },
+                "/scene/vertices, entry 5"},
+        Hostile{"FarVertex", [](SceneFile& f) { f.scene.vertices[0].x = 3e38f; }, "/scene/vertices, entry 0"},
+        Hostile{"NoSuchVertex", [](SceneFile& f) { f.scene.indices[3] = 6; },
+                "/scene/triangles, entry 3: vertex 6 of only 6"},
+        Hostile{"NoSuchObject", [](SceneFile& f) { f.scene.object_of_triangle[1] = 2; },
+                "/scene/object_of_triangle, entry 1: object 2 of only 2"},
+        Hostile{"TooFewTriangles", [](SceneFile& f) { f.scene.indices.resize(3); },
+                "2 entries for 3 corners"},
+        Hostile{"ObjectsOutOfThinAir", [](SceneFile& f) { f.scene.object_count = 4000000000u; },
+                "object_count 4000000000"},
+        Hostile{"TwoCornersOfACell", [](SceneFile& f) { f.cells.corners.resize(5); },
+                "/cells/corners: 5 points"},
+        Hostile{"NanCorner", [](SceneFile& f) { f.cells.corners[1].z = nan; }, "/cells/corners, entry 1"},
+        Hostile{"EyesUpsideDown", [](SceneFile& f) { f.cells.eye_low = 3; }, "/cells/eye_heights"},
+        Hostile{"NanEyes", [](SceneFile& f) { f.cells.eye_high = nan; }, "/cells/eye_heights"},
+        Hostile{"NeighboursOfOtherCells",
+                [](SceneFile& f) {
+                  f.cells.neighbours = VisibilityMatrix::from_rows({{1}, {0}, {}}, 3);
+                },
+                "/cells/neighbours"},
+        Hostile{"OneSidedNeighbours",
+                [](SceneFile& f) {
+                  f.cells.neighbours = VisibilityMatrix::from_rows({{1}, {}}, 2);
+                },
+                "/cells/neighbours"},
+        Hostile{"TreeOfOtherObjects",
+                [](SceneFile& f) {
+                  f.tree = ObjectTree::from_parents({ObjectTree::none, 0}, {0, 2}, 3);
+                },
+                "/tree"}),
+    [](const testing::TestParamInfo<Hostile>& test) { return test.param.name; });
+
+TEST(Scene, RefusesWhatIsNoSceneFile) {
+  const TemporaryFolder folder;
+  EXPECT_ANY_THROW(read_scene(folder / "missing.scene.h5"));
+  const std::string text = "this is not HDF5";
+  write_file(folder / "text.scene.h5", std::as_bytes(std::span(text)));
+  EXPECT_THROW(read_scene(folder / "text.scene.h5"), FormatError);
+  Hdf5File::create(folder / "empty.h5").close();
+  EXPECT_THROW(read_scene(folder / "empty.h5"), FormatError);
+}
+
+TEST(Scene, RefusesTruncatedFiles) {
+  const TemporaryFolder folder;
+  write_scene(folder / "whole.scene.h5", small_scene());
+  const std::vector<std::byte> bytes = read_file(folder / "whole.scene.h5");
+  for (std::size_t part = 0; part < 8; ++part) {
+    write_file(folder / "part.scene.h5", std::span(bytes).first(bytes.size() * part / 8));
+    EXPECT_THROW(read_scene(folder / "part.scene.h5"), FormatError) << part << "/8";
+  }
+}
+
+}  // namespace
+}  // namespace vismat

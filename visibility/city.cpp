@@ -1,0 +1,231 @@
+// ALGORITHM. Every box keeps to its own grid square, half the narrowest street away from its border, so no
+// two can touch. Ground rectangle minus boxes is one polygon with size^2 holes; GEOS triangulates it
+// (constrained Delaunay: every wall's foot is an edge of some cell, no cell enters a box). GEOS promises no
+// order of the triangles, so they are sorted: by grid square along the Z-curve, which keeps rows that see
+// alike together, then by position.
+#include "visibility/city.h"
+
+#include <geos_c.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+#include "matrix/random.h"
+
+namespace vismat {
+namespace {
+
+constexpr std::uint32_t largest_size = 256;
+
+void check(const CityOptions& o) {
+  const auto refuse = [](const std::string& what) { throw std::invalid_argument("city: " + what); };
+  if (!std::has_single_bit(o.size) || o.size > largest_size) {
+    refuse("size " + std::to_string(o.size) + " is not a power of two from 1 to " +
+           std::to_string(largest_size));
+  }
+  for (const float length : {o.pitch, o.smallest_side, o.lowest, o.eye_low, o.narrowest_street}) {
+    if (!(length > 0 && length <= 1e4f)) refuse("lengths must be above 0 and at most 10000 m");
+  }
+  if (!(o.largest_side >= o.smallest_side && o.highest >= o.lowest && o.eye_high >= o.eye_low)) {
+    refuse("the largest of something is below its smallest");
+  }
+  if (!(o.highest <= 1e4f && o.eye_high <= 1e4f)) refuse("heights must be at most 10000 m");
+  if (!(o.largest_side + o.narrowest_street <= o.pitch)) {
+    refuse("a largest side and a narrowest street do not fit into the pitch");
+  }
+  if (!(o.jitter >= 0 && o.jitter <= 1)) refuse("jitter must lie between 0 and 1");
+}
+
+/// Bits of x and y interleaved, x lowest.
+std::uint64_t z_order(std::uint32_t x, std::uint32_t y) {
+  std::uint64_t key = 0;
+  for (unsigned bit = 0; bit < 32; ++bit) {
+    key |= std::uint64_t{x >> bit & 1} << (2 * bit) | std::uint64_t{y >> bit & 1} << (2 * bit + 1);
+  }
+  return key;
+}
+
+std::vector<Box> place_boxes(const CityOptions& o) {
+  Random random(o.seed);
+  std::vector<Box> boxes(std::size_t{o.size} * o.size);
+  for (std::uint32_t y = 0; y < o.size; ++y) {
+    for (std::uint32_t x = 0; x < o.size; ++x) {
+      Box& box = boxes[z_order(x, y)];
+      const std::array<std::uint32_t, 2> square = {x, y};
+      for (unsigned axis = 0; axis < 2; ++axis) {
+        const float side = random.between(o.smallest_side, o.largest_side);
+        const float room = (o.pitch - o.narrowest_street - side) / 2 * o.jitter;
+        const float middle =
+            (static_cast<float>(square[axis]) + 0.5f) * o.pitch + random.between(-room, room);
+        box.low[axis] = middle - side / 2;
+        box.high[axis] = middle + side / 2;
+      }
+      box.high[2] = random.between(o.lowest, o.highest);
+    }
+  }
+  return boxes;
+}
+
+void add_box(Scene& scene, const Box& box) {
+  // Corner bits: 1 = high x, 2 = high y, 4 = high z. No floor: nobody sees it.
+  static constexpr std::uint32_t triangles[10][3] = {{0, 1, 5}, {0, 5, 4}, {1, 3, 7}, {1, 7, 5}, {3, 2, 6},
+                                                     {3, 6, 7}, {2, 0, 4}, {2, 4, 6}, {4, 5, 7}, {4, 7, 6}};
+  const auto first = static_cast<std::uint32_t>(scene.vertices.size());
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    scene.vertices.emplace_back((corner & 1 ? box.high : box.low)[0], (corner & 2 ? box.high : box.low)[1],
+                                (corner & 4 ? box.high : box.low)[2]);
+  }
+  for (const auto& triangle : triangles) {
+    for (const std::uint32_t corner : triangle) scene.indices.push_back(first + corner);
+    scene.object_of_triangle.push_back(scene.object_count);
+  }
+  ++scene.object_count;
+}
+
+/// GEOS by its C interface, the one that stays stable between versions; frees what it hands out.
+class Geos {
+ public:
+  struct Delete {
+    GEOSContextHandle_t context;
+    void operator()(GEOSGeometry* geometry) const { GEOSGeom_destroy_r(context, geometry); }
+  };
+  using Geometry = std::unique_ptr<GEOSGeometry, Delete>;
+
+  Geos() : context_(GEOS_init_r()) {
+    GEOSContext_setErrorMessageHandler_r(
+        context_, [](const char* message, void* self) { static_cast<Geos*>(self)->error_ = message; }, this);
+  }
+  ~Geos() { GEOS_finish_r(context_); }
+  Geos(const Geos&) = delete;
+  Geos& operator=(const Geos&) = delete;
+
+  Geometry own(GEOSGeometry* geometry) const {
+    if (geometry == nullptr) throw std::runtime_error("city: GEOS: " + error_);
+    return {geometry, Delete{context_}};
+  }
+  GEOSGeometry* ring(const Box& box) const {
+    GEOSCoordSequence* points = GEOSCoordSeq_create_r(context_, 5, 2);
+    const auto &low = box.low, &high = box.high;
+    const float corners[5][2] = {
+        {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}, {low[0], low[1]}};
+    for (unsigned i = 0; i < 5; ++i) GEOSCoordSeq_setXY_r(context_, points, i, corners[i][0], corners[i][1]);
+    return GEOSGeom_createLinearRing_r(context_, points);
+  }
+  GEOSContextHandle_t context() const { return context_; }
+
+ private:
+  GEOSContextHandle_t context_;
+  std::string error_;
+};
+
+using Triangle = std::array<glm::vec3, 3>;
+
+/// Counter-clockwise, the corner of least (x, y) first.
+std::vector<Triangle> triangulate(const Box& ground, const std::vector<Box>& holes) {
+  const Geos geos;
+  const GEOSContextHandle_t context = geos.context();
+  std::vector<GEOSGeometry*> rings;
+  for (const Box& hole : holes) rings.push_back(geos.ring(hole));
+  const auto polygon = geos.own(GEOSGeom_createPolygon_r(context, geos.ring(ground), rings.data(),
+                                                         static_cast<unsigned>(rings.size())));
+  const auto pieces = geos.own(GEOSConstrainedDelaunayTriangulation_r(context, polygon.get()));
+  std::vector<Triangle> triangles(static_cast<std::size_t>(GEOSGetNumGeometries_r(context, pieces.get())));
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const GEOSGeometry* piece = GEOSGetGeometryN_r(context, pieces.get(), static_cast<int>(i));
+    const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(context, GEOSGetExteriorRing_r(context, piece));
+    Triangle& t = triangles[i];
+    for (unsigned corner = 0; corner < 3; ++corner) {
+      double x = 0, y = 0;
+      GEOSCoordSeq_getXY_r(context, points, corner, &x, &y);
+      t[corner] = {static_cast<float>(x), static_cast<float>(y), 0.0f};  // exact: they went in as floats
+    }
+    if ((t[1].x - t[0].x) * (t[2].y - t[0].y) < (t[1].y - t[0].y) * (t[2].x - t[0].x)) std::swap(t[1], t[2]);
+    const auto before = [](const glm::vec3& a, const glm::vec3& b) {
+      return std::tie(a.x, a.y) < std::tie(b.x, b.y);
+    };
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end(), before), t.end());
+  }
+  return triangles;
+}
+
+void sort_by_square(std::vector<Triangle>& triangles, const CityOptions& o) {
+  const auto key = [&](const Triangle& t) {
+    const glm::vec3 centroid = (t[0] + t[1] + t[2]) / 3.0f;
+    const auto square = [&](float x) {
+      return static_cast<std::uint32_t>(
+          std::clamp(std::floor(x / o.pitch), 0.0f, static_cast<float>(o.size - 1)));
+    };
+    return std::tuple(z_order(square(centroid.x), square(centroid.y)), centroid.x, centroid.y);
+  };
+  std::sort(triangles.begin(), triangles.end(),
+            [&](const auto& a, const auto& b) { return key(a) < key(b); });
+}
+
+VisibilityMatrix edge_neighbours(const std::vector<Triangle>& triangles) {
+  std::vector<std::vector<std::uint32_t>> rows(triangles.size());
+  std::map<std::array<float, 4>, std::uint32_t> open;  // directed edges that still wait for their other side
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    for (unsigned side = 0; side < 3; ++side) {
+      const glm::vec3 a = triangles[i][side], b = triangles[i][(side + 1) % 3];
+      if (const auto other = open.find({b.x, b.y, a.x, a.y}); other != open.end()) {
+        rows[i].push_back(other->second);
+        rows[other->second].push_back(i);
+        open.erase(other);
+      } else {
+        open.emplace(std::array{a.x, a.y, b.x, b.y}, i);
+      }
+    }
+  }
+  for (auto& row : rows) std::sort(row.begin(), row.end());
+  return VisibilityMatrix::from_rows(rows, static_cast<std::uint32_t>(rows.size()));
+}
+
+ObjectTree quadtree(std::uint32_t objects) {
+  const std::uint32_t inner = (objects - 1) / 3;
+  std::vector<std::uint32_t> parent(inner + objects), object(inner + objects, ObjectTree::none);
+  parent[0] = ObjectTree::none;
+  for (std::uint32_t i = 1; i < parent.size(); ++i) parent[i] = (i - 1) / 4;
+  for (std::uint32_t i = 0; i < objects; ++i) object[inner + i] = i;
+  return ObjectTree::from_parents(std::move(parent), std::move(object), objects);
+}
+
+}  // namespace
+
+SceneFile make_city(const CityOptions& options) {
+  check(options);
+  const std::vector<Box> boxes = place_boxes(options);
+  SceneFile city;
+  for (const Box& box : boxes) add_box(city.scene, box);
+  const float side = static_cast<float>(options.size) * options.pitch;
+  std::vector<Triangle> triangles = triangulate({{0, 0, 0}, {side, side, 0}}, boxes);
+  sort_by_square(triangles, options);
+  for (const Triangle& t : triangles) city.cells.corners.insert(city.cells.corners.end(), t.begin(), t.end());
+  city.cells.eye_low = options.eye_low;
+  city.cells.eye_high = options.eye_high;
+  city.cells.neighbours = edge_neighbours(triangles);
+  city.tree = quadtree(city.scene.object_count);
+  city.provenance = describe(options);
+  city.seed = options.seed;
+  return city;
+}
+
+std::string describe(const CityOptions& o) {
+  char text[256];
+  std::snprintf(
+      text, sizeof text,
+      "city: size %u, pitch %g m, narrowest street %g m, sides %g-%g m, heights %g-%g m, jitter %g, eyes "
+      "%g-%g m, seed %llu",
+      o.size, o.pitch, o.narrowest_street, o.smallest_side, o.largest_side, o.lowest, o.highest, o.jitter,
+      o.eye_low, o.eye_high, static_cast<unsigned long long>(o.seed));
+  return text;
+}
+
+}  // namespace vismat
