@@ -76,14 +76,12 @@ std::vector<std::byte> Pk3::read(const std::string& member) const {
     if (there.size() > 5) message += " and " + std::to_string(there.size() - 5) + " more";
     throw FormatError(message + (there.empty() ? " none" : ""));
   }
-  const auto refuse_size = [&](std::uint64_t bytes, const char* verb) {
-    throw FormatError("member '" + member + "' " + verb + " " + std::to_string(bytes) + " bytes; at most " +
-                      std::to_string(most_member_bytes) + " are read");
-  };
   zip_stat_t status;
-  if (zip_stat_index(archive_->zip, static_cast<zip_uint64_t>(index), 0, &status) == 0 &&
-      status.size > most_member_bytes) {
-    refuse_size(status.size, "claims");
+  zip_stat_init(&status);
+  zip_stat_index(archive_->zip, static_cast<zip_uint64_t>(index), 0, &status);
+  if (status.size > most_member_bytes) {
+    throw FormatError("member '" + member + "' claims " + std::to_string(status.size) + " bytes; at most " +
+                      std::to_string(most_member_bytes) + " are read");
   }
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(
       zip_fopen_index(archive_->zip, static_cast<zip_uint64_t>(index), 0), zip_fclose);
@@ -97,7 +95,10 @@ std::vector<std::byte> Pk3::read(const std::string& member) const {
     if (got < 0) throw FormatError("member '" + member + "': " + zip_file_strerror(file.get()));
     bytes.resize(have + static_cast<std::size_t>(got));
     if (got == 0) return bytes;
-    if (bytes.size() > most_member_bytes) refuse_size(bytes.size(), "unpacks to more than");
+    if (bytes.size() > most_member_bytes) {
+      throw FormatError("member '" + member + "' claims " + std::to_string(status.size) +
+                        " bytes but unpacks to more than " + std::to_string(most_member_bytes));
+    }
   }
 }
 

@@ -65,7 +65,8 @@ struct Face {
 };
 static_assert(sizeof(Node) == 36 && sizeof(Leaf) == 48 && sizeof(Vertex) == 44 && sizeof(Face) == 104);
 
-constexpr std::size_t most_leafs = 1 << 17;  // the engine's own limit
+constexpr std::size_t most_places = 1
+                                    << 15;  // leafs with a cluster; the engine's 2 MB of visdata end at 4096
 constexpr std::size_t most_scene_entries = 1
                                            << 24;  // vertices or triangles; the largest known level has 54150
 constexpr int patch_steps = 4;
@@ -143,12 +144,11 @@ VisibilityMatrix read_visdata(std::span<const std::byte> lump) {
 }
 
 void check_leafs(std::span<const Leaf> leafs, std::uint32_t clusters, std::size_t leaffaces) {
-  if (leafs.size() > most_leafs) {
-    refuse(leafs_lump, std::to_string(leafs.size()) + " leafs; Quake 3 allows " + std::to_string(most_leafs));
-  }
   std::int64_t sum = 0;
+  std::size_t places = 0;
   for (std::size_t i = 0; i < leafs.size(); ++i) {
     const Leaf& leaf = leafs[i];
+    places += leaf.cluster >= 0;
     if (leaf.cluster >= std::int64_t{clusters}) {
       refuse(leafs_lump, "leaf", i,
              "cluster " + std::to_string(leaf.cluster) + " of only " + std::to_string(clusters));
@@ -161,6 +161,10 @@ void check_leafs(std::span<const Leaf> leafs, std::uint32_t clusters, std::size_
       if (leaf.low[k] > leaf.high[k]) refuse(leafs_lump, "leaf", i, "its box is inside out");
     }
     sum += leaf.faces;
+  }
+  if (places > most_places) {  // to find neighbours takes their square
+    refuse(leafs_lump, std::to_string(places) + " leafs have a cluster; at most " +
+                           std::to_string(most_places) + " are taken");
   }
   if (sum > static_cast<std::int64_t>(leaffaces)) {
     refuse(leafs_lump, "the leafs list " + std::to_string(sum) + " faces, but there are only " +
