@@ -230,8 +230,7 @@ Dataset read_matrix_market(std::span<const std::byte> text) {
 
 void write_matrix_market(std::ostream& out, const Dataset& dataset) {
   const auto fact = [&](std::string_view key, std::string value) {
-    std::replace_if(
-        value.begin(), value.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    std::replace(value.begin(), value.end(), '\n', ' ');  // a fact has one line
     out << fact_mark << key << ": " << value << '\n';
   };
   const VisibilityMatrix& matrix = dataset.matrix;

@@ -1,0 +1,23 @@
+// Matrix Market text: read, or refused in one line; what is read survives being written and read again.
+#include <cstdint>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+
+#include "matrix/byte_reader.h"
+#include "matrix/matrix_market.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace vismat;
+  Dataset dataset;
+  try {
+    dataset = read_matrix_market(std::as_bytes(std::span(data, size)));
+  } catch (const FormatError&) {
+    return 0;
+  }
+  std::ostringstream out;
+  write_matrix_market(out, dataset);
+  const std::string text = out.str();
+  if (!(read_matrix_market(std::as_bytes(std::span(text))) == dataset)) std::abort();
+  return 0;
+}
