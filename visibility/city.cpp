@@ -189,12 +189,16 @@ VisibilityMatrix edge_neighbours(const std::vector<Triangle>& triangles) {
 }
 
 ObjectTree quadtree(std::uint32_t objects) {
-  const std::uint32_t inner = (objects - 1) / 3;
-  std::vector<std::uint32_t> parent(inner + objects), object(inner + objects, ObjectTree::none);
-  parent[0] = ObjectTree::none;
-  for (std::uint32_t i = 1; i < parent.size(); ++i) parent[i] = (i - 1) / 4;
-  for (std::uint32_t i = 0; i < objects; ++i) object[inner + i] = i;
-  return ObjectTree::from_parents(std::move(parent), std::move(object), objects);
+  std::vector<std::uint32_t> parent_of_node, object_of_node;
+  const auto add = [&](const auto& self, std::uint32_t parent, std::uint32_t first,
+                       std::uint32_t count) -> void {
+    const auto node = static_cast<std::uint32_t>(parent_of_node.size());
+    parent_of_node.push_back(parent);
+    object_of_node.push_back(count == 1 ? first : ObjectTree::none);
+    for (std::uint32_t k = 0; k < 4 && count > 1; ++k) self(self, node, first + k * (count / 4), count / 4);
+  };
+  add(add, ObjectTree::none, 0, objects);
+  return ObjectTree::from_parents(std::move(parent_of_node), std::move(object_of_node), objects);
 }
 
 }  // namespace

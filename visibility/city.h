@@ -21,12 +21,12 @@ struct CityOptions {
   std::uint64_t seed = 1;
 };
 
-/// Objects are the boxes in Z-order of their squares; the tree is the quadtree in breadth-first order, so the
-/// children of node i are 4i+1 to 4i+4 and its last size^2 nodes hold the objects in order. The view cells
-/// are the constrained Delaunay triangles of the ground rectangle with the boxes cut out (6 size^2 + 2 of
-/// them), counter-clockwise, in Z-order of the grid squares of their centroids, with their neighbours. Same
-/// options, same city, for one version of GEOS. Throws std::invalid_argument for options out of range. 64 x
-/// 64 takes about a second.
+/// Objects are the boxes in Z-order of their squares; the tree is the quadtree, each node before its children
+/// and those in Z-order (depth first: general compressors then come to the paper's sizes, breadth first they
+/// do not). The view cells are the constrained Delaunay triangles of the ground rectangle with the boxes cut
+/// out (6 size^2 + 2 of them), counter-clockwise, in Z-order of the grid squares of their centroids, with
+/// their neighbours. Same options, same city, for one version of GEOS. Throws std::invalid_argument for
+/// options out of range. A 64 x 64 city takes about a second.
 SceneFile make_city(const CityOptions& options = {});
 
 /// One line that names every parameter.

@@ -371,9 +371,12 @@ SeenByRays see_by_rays(const Scene& scene, const ViewCells& cells, const RaySamp
       }
       all_rest = all_rest && site.resting;
     }
-    if (all_rest) break;
+    if (all_rest) {
+      const std::uint64_t all = options.passes * sites.size();
+      if (progress && pass + 1 < options.passes) progress(all, all);
+      break;
+    }
   }
-  if (progress) progress(1, 1);
   result.rays = rays;
   result.objects = VisibilityMatrix::from_rows(seen_by_cell, scene.object_count);
   return result;
