@@ -23,7 +23,7 @@
 namespace vismat {
 namespace {
 
-constexpr std::uint32_t largest_size = 256;
+constexpr std::uint32_t largest_size = 128;  // GEOS takes minutes for the holes of the next
 
 void check(const CityOptions& o) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("city: " + what); };

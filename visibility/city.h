@@ -11,7 +11,7 @@ namespace vismat {
 /// what the paper leaves open was tuned until the average visibility over all quadtree nodes met its Table 1
 /// for both (the search is told in docs/artificial.md). Metres.
 struct CityOptions {
-  std::uint32_t size = 32;                     // boxes a side: a power of two, 1 to 256
+  std::uint32_t size = 32;                     // boxes a side: a power of two, 1 to 128
   float pitch = 20;                            // side of the grid square in which each box stands
   float narrowest_street = 4;                  // no two boxes come closer
   float smallest_side = 8, largest_side = 10;  // of a box on the ground, each direction on its own
