@@ -1,0 +1,12 @@
+// What an order of columns costs.
+#pragma once
+#include <cstdint>
+
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+/// Maximal groups of ones over all rows, with the columns as they stand. O(ones).
+std::uint64_t count_runs(const VisibilityMatrix& matrix);
+
+}  // namespace vismat
