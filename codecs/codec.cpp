@@ -50,11 +50,11 @@ constexpr std::array<Codec, 9> table = {{
     over_tree<"zach0">("children's bits in the parent's cells", false),
     over_tree<"zach1">("intersection of all children, bits outside it", false),
     over_tree<"zach2">("intersection of a chosen subset, subset masks, bits outside it", false),
-    over_tree<"zach3-huffman">("run lengths, one Huffman table", true),
-    over_tree<"zach3-range">("run lengths, range coded, a frequency table each for runs of zeros and of ones",
+    over_tree<"zach3-huffman">("run lengths, a Huffman code each for runs of zeros and of ones", true),
+    over_tree<"zach3-range">("run lengths, range coded, frequencies each for runs of zeros and of ones",
                              true),
-    over_tree<"zach4-huffman">("ones before each zero, one Huffman table", true),
-    over_tree<"zach4-range">("ones before each zero, range coded, one frequency table", true),
+    over_tree<"zach4-huffman">("ones before each zero, one Huffman code", true),
+    over_tree<"zach4-range">("ones before each zero, range coded", true),
 }};
 
 }  // namespace
