@@ -1,0 +1,376 @@
+"""Zach and Karner 2003, Tables 1 and 2, for our data beside the published figures: text, charts, one page.
+
+    bench/report.py [OUT]    reads OUT/zach2003_scenes.csv and OUT/zach2003.csv, which bench/zach_tables wrote, and writes
+                             OUT/zach2003.txt, OUT/*.png and OUT/report.html; prints the text
+
+The notebook imports the same functions. Nothing here measures: every figure is read, and every ratio is table size / bytes.
+"""
+import base64
+import html
+import pathlib
+import subprocess
+import sys
+import textwrap
+from dataclasses import dataclass
+
+import matplotlib
+
+if __name__ == "__main__":
+    matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import pandas as pd
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PUBLISHED = ROOT / "bench" / "published"
+
+# What the paper calls each row of Table 2. It measured Huffman codes for methods 3 and 4 after the greedy order of the view
+# cells, so those are compared; it only calculated what arithmetic coding would give (13-15 % less for method 3), and only
+# mentioned the order by neighbours alone (4.2).
+METHODS = {"gzip": "gzip", "bzip2": "bzip2", "zach0": "method 0", "zach1": "method 1", "zach2": "method 2",
+           "zach3": "method 3", "zach4": "method 4"}
+OURS_ONLY = {"quake-rle": "Quake RLE", "zach3-neighbours": "method 3, neighbours", "zach3-range": "method 3, range coder",
+             "zach4-range": "method 4, range coder"}
+# Our codec and cell order for each of them: gzip and bzip2 read the cells as they stand, methods 0 to 2 do not mind.
+MEASURED = {("zach3-huffman", "greedy"): "zach3", ("zach4-huffman", "greedy"): "zach4", ("zach3-range", "greedy"): "zach3-range",
+            ("zach4-range", "greedy"): "zach4-range", ("zach3-huffman", "neighbours"): "zach3-neighbours",
+            **{(codec, "natural"): codec for codec in ("bitmap", "quake-rle", "gzip", "bzip2", "zach0", "zach1", "zach2")}}
+SCENES = {"artificial-1": "artificial 1", "artificial-2": "artificial 2", "inner-city": "inner city", "complete": "complete"}
+FAR = 4 / 3  # a ratio further than this from the published one is explained in the notebook
+
+OURS = dict(facecolor="#1f4e79", edgecolor="#1f4e79")
+THEIRS = dict(facecolor="white", edgecolor="#333333", hatch="////", linewidth=0.8)
+
+
+@dataclass
+class Results:
+    """scenes: Table 1, sizes: Table 2 with a row a matrix and codec; each ours and as published, the same columns."""
+    scenes: pd.DataFrame
+    sizes: pd.DataFrame
+    published_scenes: pd.DataFrame
+    published_sizes: pd.DataFrame
+
+    @property
+    def levels(self):
+        return [m for m in self.scenes.index if m not in SCENES]
+
+    @property
+    def artificial(self):
+        return [m for m in SCENES if m in self.scenes.index]
+
+
+def load(out):
+    """Reads what zach_tables wrote into the folder `out`, and the published figures."""
+    def scenes(path):
+        return pd.read_csv(path, comment="#").set_index("matrix")
+
+    def sizes(path):
+        table = pd.read_csv(path, comment="#")
+        if "order" in table:
+            keys = [MEASURED.get(key) for key in zip(table["codec"], table["order"])]
+            table = table.assign(codec=keys).dropna(subset="codec")
+        table = table.set_index(["matrix", "codec"])
+        table["ratio"] = table.index.get_level_values("matrix").map(table["bytes"].xs("bitmap", level="codec")) / table["bytes"]
+        return table
+
+    out = pathlib.Path(out)
+    return Results(scenes(out / "zach2003_scenes.csv"), sizes(out / "zach2003.csv"),
+                   scenes(PUBLISHED / "zach2003_scenes.csv"), sizes(PUBLISHED / "zach2003.csv"))
+
+
+# ---- tables ----------------------------------------------------------------------------------------------------------------
+
+def table1(results):
+    """Scene characteristics, a row a scene: ours and, where the paper has it, the published one below."""
+    rows = []
+    for name in [*SCENES, *results.levels]:
+        for whose, table in (("ours", results.scenes), ("published", results.published_scenes)):
+            if name in table.index:
+                scene = table.loc[name]
+                rows.append({"scene": SCENES.get(name, name), "": whose, "view cells": f"{scene.view_cells:,.0f}",
+                             "occludees": f"{scene.occludees:,.0f}", "average visibility": f"{scene.average_visibility:.1%}"})
+    return pd.DataFrame(rows)
+
+
+def _size(table, name, codec):
+    if (name, codec) not in table.index:
+        return "-"
+    entry = table.loc[(name, codec)]
+    return f"{entry.bytes:,.0f}" + ("" if codec == "bitmap" else f" ({entry.ratio:.1f}x)")
+
+
+def _run(table, name, codec):
+    run = table["average_run"].get((name, codec), float("nan"))
+    return "-" if pd.isna(run) else f"{run:.2f}"
+
+
+def table2(results):
+    """The paper's four scenes: bytes, and how many times smaller than the table."""
+    columns = {(SCENES[name], whose): (name, table)
+               for name in SCENES for whose, table in (("ours", results.sizes), ("published", results.published_sizes))
+               if name in table.index.get_level_values("matrix")}
+    rows = {"table size": "bitmap", **{label: codec for codec, label in {**METHODS, **OURS_ONLY}.items()}}
+    table = pd.DataFrame({"\n".join(column): [_size(of, name, codec) for codec in rows.values()]
+                          for column, (name, of) in columns.items()}, index=list(rows))
+    for codec in ("zach3", "zach4"):
+        table.loc[f"{METHODS[codec]}, average run"] = [_run(of, name, codec) for name, of in columns.values()]
+    for label, column in (("greedy order, beside method 3", "order_bytes"), ("node index, beside method 3", "index_bytes")):
+        table.loc[label] = [f"{of[column][(name, 'zach3')]:,}" if column in of else "-" for name, of in columns.values()]
+    return table.rename_axis("bytes (ratio)").reset_index()
+
+
+def table2_levels(results):
+    """Real levels, a row each: the table's bytes and each method's ratio; * marks the smallest of what the paper compares."""
+    rows = []
+    for name in results.levels:
+        ratios = {codec: results.sizes["ratio"].get((name, codec)) for codec in (*METHODS, *OURS_ONLY)}
+        best = max((r for codec, r in ratios.items() if codec in METHODS and r is not None), default=None)
+        row = {"level": name, "table size": f"{results.sizes['bytes'][(name, 'bitmap')]:,}"}
+        for codec, label in {**METHODS, **OURS_ONLY}.items():
+            ratio = ratios[codec]
+            mark = "*" if codec in METHODS and ratio == best else ""
+            row[label.replace(", ", "\n").replace(" coder", "")] = "-" if ratio is None else f"{ratio:.1f}x{mark}"
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def ranking(table, name):
+    """The compared methods, smallest first."""
+    sizes = table["bytes"].xs(name, level="matrix")
+    return [METHODS[codec] for codec in sizes[sizes.index.isin(list(METHODS))].sort_values(kind="stable").index]
+
+
+def far_from_published(results):
+    """Each ratio that differs from the published one by more than a third, either way."""
+    both = results.sizes[["bytes", "ratio"]].join(results.published_sizes[["bytes", "ratio"]], rsuffix="_published", how="inner")
+    both = both[both.index.get_level_values("codec").isin(list(METHODS))]
+    both["ours_to_published"] = both["ratio"] / both["ratio_published"]
+    return both[(both.ours_to_published > FAR) | (both.ours_to_published < 1 / FAR)]
+
+
+def other_rankings(results):
+    """Each level whose methods do not rank as on both real scenes of the paper, with the two orders."""
+    expected = ranking(results.published_sizes, "inner-city")
+    rows = [{"level": name, "smallest first": " < ".join(found), "first": found[0]}
+            for name in results.levels if (found := ranking(results.sizes, name)) != expected]
+    return " < ".join(expected), pd.DataFrame(rows, columns=["level", "smallest first", "first"])
+
+
+def to_text(table):
+    """Aligned columns, the first to the left and the others to the right; a column's name may have several lines."""
+    names = [str(column).split("\n") for column in table.columns]
+    height = max(map(len, names))
+    head = [list(line) for line in zip(*([""] * (height - len(name)) + name for name in names))]
+    body = [list(map(str, row)) for row in table.itertuples(index=False)]
+    widths = [max(map(len, column)) for column in zip(*head, *body)]
+    lines = ["  ".join(cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths))).rstrip()
+             for row in [*head, ["-" * w for w in widths], *body]]
+    return "\n".join(lines)
+
+
+# ---- charts ----------------------------------------------------------------------------------------------------------------
+
+def _bare(axes):
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.set_axisbelow(True)
+
+
+def draw_ratios(results):
+    """Bars, a panel an artificial scene: our ratio beside the published one."""
+    figure, panels = plt.subplots(1, max(1, len(results.artificial)), figsize=(5.2 * max(1, len(results.artificial)), 4),
+                                  squeeze=False, layout="constrained")
+    for axes, name in zip(panels[0], results.artificial):
+        _bare(axes)
+        for i, codec in enumerate(METHODS):
+            for offset, table, style in ((-0.2, results.sizes, OURS), (0.2, results.published_sizes, THEIRS)):
+                ratio = table["ratio"].get((name, codec), float("nan"))
+                if pd.isna(ratio):
+                    continue
+                axes.bar(i + offset, ratio, 0.4, **style)
+                axes.text(i + offset, ratio, f"{ratio:.1f}", ha="center", va="bottom", fontsize=8)
+        axes.set_xticks(range(len(METHODS)), [label.replace(" ", "\n") for label in METHODS.values()], fontsize=9)
+        axes.set_title(SCENES[name], fontsize=11)
+        axes.grid(axis="y", color="#dddddd")
+        axes.set_ylabel("table size / compressed size")
+        axes.legend(handles=[matplotlib.patches.Patch(label="ours", **OURS), matplotlib.patches.Patch(label="published 2003", **THEIRS)],
+                    loc="upper center", bbox_to_anchor=(0.5, -0.14), ncol=2, frameon=False)
+    return figure
+
+
+def draw_levels(results):
+    """A dot a level and method, the median as a bar; the paper's two real scenes beside them."""
+    methods = {**METHODS, **OURS_ONLY}
+    figure, axes = plt.subplots(figsize=(9, 4.6), layout="constrained")
+    _bare(axes)
+    for i, codec in enumerate(methods):
+        ratios = sorted(r for (name, c), r in results.sizes["ratio"].items() if c == codec and name not in SCENES)
+        spread = [i + 0.28 * ((k % 7) / 3 - 1) for k in range(len(ratios))]
+        axes.scatter(spread, ratios, s=14, color=OURS["facecolor"], alpha=0.6, linewidths=0)
+        if ratios:
+            axes.hlines(pd.Series(ratios).median(), i - 0.36, i + 0.36, color="black", linewidth=1.6)
+        for name, marker in (("inner-city", "D"), ("complete", "s")):
+            if (name, codec) in results.published_sizes.index:
+                axes.scatter(i + 0.42, results.published_sizes["ratio"][(name, codec)], s=34, marker=marker, facecolors="white",
+                             edgecolors="#333333", zorder=3)
+    axes.set_yscale("log")
+    _plain_ticks(axes.yaxis, "x")
+    axes.set_ylabel("table size / compressed size")
+    axes.set_xticks(range(len(methods)), [textwrap.fill(label.replace(",", ""), 10) for label in methods.values()], fontsize=9)
+    axes.grid(axis="y", which="both", color="#e6e6e6")
+    handles = [plt.Line2D([], [], marker="o", ls="", color=OURS["facecolor"], label=f"a real level ({len(results.levels)})"),
+               plt.Line2D([], [], color="black", label="their median"),
+               *(plt.Line2D([], [], marker=m, ls="", mfc="white", mec="#333333", label=f"{n}, published 2003")
+                 for n, m in (("inner city", "D"), ("complete", "s")))]
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=4, frameon=False)
+    return figure
+
+
+def draw_bytes_against_visibility(results):
+    """Each matrix's bytes over how much of it is visible: the table, gzip and method 3 on one vertical line."""
+    figure, axes = plt.subplots(figsize=(9, 5.6), layout="constrained")
+    _bare(axes)
+    markers = {"bitmap": "_", "gzip": "x", "zach3": "o"}
+    few = len(results.levels) <= 16
+    for scenes, sizes, color, filled in ((results.scenes, results.sizes, OURS["facecolor"], True),
+                                         (results.published_scenes, results.published_sizes, "#333333", False)):
+        for name, scene in scenes.iterrows():
+            x = 100 * scene.average_visibility
+            points = {codec: sizes["bytes"][(name, codec)] for codec in markers if (name, codec) in sizes.index}
+            if x <= 0 or not points:
+                continue
+            axes.vlines(x, min(points.values()), max(points.values()), color=color, linewidth=0.7, alpha=0.6 if few else 0.2,
+                        linestyle="-" if filled else ":")
+            for codec, size in points.items():
+                axes.scatter(x, size, s=36 if few or name in SCENES else 10, marker=markers[codec], linewidths=1.2, color=color,
+                             facecolors=(color if filled else "white") if codec == "zach3" else None, zorder=3)
+            if few or name in SCENES:  # ours above their line, published below
+                label, at, up = SCENES.get(name, name), max(points.values()), 1
+                if not filled:
+                    label, at, up = label + ", published", min(points.values()), -1
+                axes.annotate(label, (x, at), xytext=(0, 6 * up), textcoords="offset points", rotation=40 * up, fontsize=8, ha="left",
+                              va="bottom" if filled else "top", color=color, rotation_mode="default")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    axes.set_ylim(low / 4, high * 6)
+    axes.set_xlim(right=axes.get_xlim()[1] * 1.25)
+    _plain_ticks(axes.xaxis, " %", (1, 1.5, 2, 3, 5, 7))
+    axes.set_xlabel("average visibility: ones / (rows x columns), per cent")
+    axes.set_ylabel("bytes")
+    axes.grid(which="major", color="#e6e6e6")
+    handles = [plt.Line2D([], [], marker=marker, ls="", color=OURS["facecolor"], label=label)
+               for marker, label in (("_", "table, 1 bit an entry"), ("x", "gzip"), ("o", "method 3"))]
+    handles.append(plt.Line2D([], [], marker="o", ls=":", color="#333333", mfc="white", label="published 2003"))
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=4, frameon=False)
+    return figure
+
+
+def _plain_ticks(axis, unit, steps=(1, 2, 5)):
+    axis.set_major_locator(matplotlib.ticker.LogLocator(subs=steps))
+    axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda value, _: f"{value:g}{unit}"))
+    axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+
+
+CHARTS = {
+    "ratios": ("Compression ratio on the artificial scenes", draw_ratios),
+    "levels": ("Compression ratio on real levels", draw_levels),
+    "bytes_against_visibility": ("Bytes against average visibility", draw_bytes_against_visibility),
+}
+
+
+# ---- the page --------------------------------------------------------------------------------------------------------------
+
+def provenance():
+    """Machine, compiler and commit, as lines."""
+    def first_line(*command):
+        try:
+            return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()[0]
+        except (OSError, subprocess.CalledProcessError, IndexError):
+            return "unknown"
+
+    def line_of(path, key):
+        try:
+            return next((line for line in path.read_text().splitlines() if line.startswith(key)), "")
+        except OSError:
+            return ""
+
+    cpu = line_of(pathlib.Path("/proc/cpuinfo"), "model name").partition(":")[2].strip() or "unknown"
+    memory = line_of(pathlib.Path("/proc/meminfo"), "MemTotal").split()
+    compiler = line_of(ROOT / "build/release/CMakeCache.txt", "CMAKE_CXX_COMPILER:").partition("=")[2] or "c++"
+    return [f"machine: {cpu}, {first_line('nproc')} cores" + (f", {int(memory[1]) / 2**20:.0f} GB" if len(memory) > 1 else ""),
+            f"compiler: {first_line(compiler, '--version')}, CMake preset release",
+            f"commit: {first_line('git', 'describe', '--always', '--dirty')} of {first_line('git', 'log', '-1', '--format=%cs')}"]
+
+
+def text(results):
+    parts = ["Table 1: scenes", to_text(table1(results)), "", "Table 2: lossless compression", to_text(table2(results))]
+    if results.levels:
+        parts += ["", "Table 2 on real levels: ratio to the table's size (* the smallest; the paper has no such data)",
+                  to_text(table2_levels(results))]
+    return "\n".join(parts)
+
+
+HOW_TO_READ = """A visibility matrix has a row for each view cell and a column for each node of a hierarchy over the scene's
+objects; a one says that the node may be seen from the cell. <b>Table size</b> is one bit an entry, rows padded to bytes. Each
+other figure is the bytes of a payload that was decoded again and compared, and in brackets how many times smaller than the table
+that is. gzip and bzip2 compress the whole table; methods 0 to 4 give each node's visibility on its own. For methods 3 and 4
+the view cells are reordered first; naming that order costs bytes of its own, and so does an index of where each node's part
+begins: both are listed in <code>zach2003.csv</code> and are in no figure here, as in the paper. The range-coded variants are what the
+paper calculated but did not build. Published figures are of other data: the artificial scenes are rebuilt from the paper's words, the
+city of Graz is not to be had, and the levels are ours alone."""
+
+STYLE = """body{max-width:74rem;margin:2rem auto;padding:0 1.5rem;background:#fff;color:#1a1a1a;font:16px/1.55 Georgia,serif}
+h1,h2,table,figcaption,footer{font-family:system-ui,"DejaVu Sans",sans-serif}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2.2rem}
+p{max-width:46rem}.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.8rem;font-variant-numeric:tabular-nums}
+th{border-bottom:2px solid #444;text-align:right;vertical-align:bottom}td{border-bottom:1px solid #ddd;text-align:right;white-space:nowrap}
+th,td{padding:.28rem .55rem}th:first-child,td:first-child{text-align:left}td.published,th.published{background:#f2f2f2;font-style:italic}
+tr.published td{background:#f2f2f2;font-style:italic}figure{margin:1rem 0}img{max-width:100%}footer{margin-top:2.5rem;font-size:.8rem;color:#444}"""
+
+
+def to_html(table):
+    def cells(tag, row, classes):
+        return "".join(f'<{tag}{c}>{html.escape(str(cell))}</{tag}>' for cell, c in zip(row, classes))
+
+    mark = ' class="published"'
+    classes = [mark if str(column).endswith("published") else "" for column in table.columns]
+    body = "".join(f"<tr{mark if 'published' in map(str, row) else ''}>{cells('td', row, classes)}</tr>\n"
+                   for row in table.itertuples(index=False))
+    return f'<div class="wide"><table><thead><tr>{cells("th", table.columns, classes)}</tr></thead>\n<tbody>{body}</tbody></table></div>'
+
+
+def page(results, charts):
+    """One HTML page that needs no other file; charts maps a caption to PNG bytes."""
+    figures = "".join(f'<figure><img alt="{html.escape(caption)}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
+                      f"<figcaption>{html.escape(caption)}</figcaption></figure>\n" for caption, png in charts.items())
+    levels = f"<h2>Table 2 on real levels: ratio</h2>\n{to_html(table2_levels(results))}\n" if results.levels else ""
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>vismat: Zach and Karner 2003</title><style>{STYLE}</style></head><body>
+<h1>Compressed visibility: Zach and Karner 2003, Tables 1 and 2</h1>
+<p>{HOW_TO_READ}</p>
+<h2>Table 1: scenes</h2>
+{to_html(table1(results))}
+<h2>Table 2: lossless compression, bytes (ratio)</h2>
+{to_html(table2(results))}
+{levels}<h2>Charts</h2>
+{figures}<footer>{"<br>".join(map(html.escape, provenance()))}</footer>
+</body></html>
+"""
+
+
+def main(out):
+    out = pathlib.Path(out)
+    results = load(out)
+    charts = {}
+    for name, (caption, draw) in CHARTS.items():
+        if name == "levels" and not results.levels:
+            continue
+        figure = draw(results)
+        figure.savefig(out / f"{name}.png", dpi=130)
+        plt.close(figure)
+        charts[caption] = (out / f"{name}.png").read_bytes()
+    (out / "report.html").write_text(page(results, charts))
+    (out / "zach2003.txt").write_text("\n".join([text(results), "", *provenance(), ""]))
+    print(text(results))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] if len(sys.argv) > 1 else "out")
