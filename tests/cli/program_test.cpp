@@ -1,0 +1,169 @@
+// The program as a user meets it: help, refusals, Ctrl-C.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "matrix/dataset.h"
+#include "matrix/random.h"
+#include "tests/matrix/temporary_folder.h"
+
+namespace vismat {
+namespace {
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct Finished {
+  int status = 0;  // as waitpid tells it
+  std::string out, error;
+  int code() const { return WIFEXITED(status) ? WEXITSTATUS(status) : -1; }
+};
+
+// Runs vismat as the leader of a process group, as a shell does; Ctrl-C after `patience`, if that is not zero.
+Finished vismat_program(std::vector<std::string> words, std::chrono::microseconds patience = {}) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", error = folder / "error";
+  words.insert(words.begin(), VISMAT_PROGRAM);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setpgid(0, 0);
+    ::dup2(::open(out.c_str(), O_CREAT | O_WRONLY, 0600), STDOUT_FILENO);
+    ::dup2(::open(error.c_str(), O_CREAT | O_WRONLY, 0600), STDERR_FILENO);
+    ::execv(arguments[0], arguments.data());
+    ::_exit(127);
+  }
+  ::setpgid(child, child);  // whichever of the two is first
+  if (patience.count() > 0) {
+    std::this_thread::sleep_for(patience);
+    ::kill(-child, SIGINT);
+  }
+  Finished run;
+  ::waitpid(child, &run.status, 0);
+  run.out = contents(out);
+  run.error = contents(error);
+  return run;
+}
+
+std::vector<std::string> verbs() {
+  std::istringstream help(vismat_program({"--help"}).out);
+  std::vector<std::string> names;
+  std::string line;
+  while (std::getline(help, line) && line.find("Subcommands:") == std::string::npos) {
+  }
+  while (std::getline(help, line) && line.rfind("  ", 0) == 0) {
+    std::istringstream words(line);
+    names.emplace_back();
+    words >> names.back();
+  }
+  return names;
+}
+
+TEST(Program, HelpNamesEveryVerb) {
+  const std::vector<std::string> expected = {"import", "city",   "see",  "tree",    "order",
+                                             "encode", "decode", "node", "convert", "info"};
+  const auto found = verbs();
+  for (const std::string& verb : expected)
+    EXPECT_NE(std::find(found.begin(), found.end(), verb), found.end()) << verb;
+  EXPECT_NE(vismat_program({"--help"}).out.find("Example: vismat "), std::string::npos);
+}
+
+TEST(Program, EveryVerbsHelpHasAnExample) {
+  for (const std::string& verb : verbs()) {
+    const Finished run = vismat_program({verb, "--help"});
+    EXPECT_EQ(run.code(), 0) << verb;
+    EXPECT_NE(run.out.find("Example: vismat " + verb), std::string::npos) << verb;
+    EXPECT_EQ(run.error, "") << verb;
+  }
+}
+
+TEST(Program, RefusesInOneLine) {
+  const TemporaryFolder folder;
+  const std::string missing = folder / "missing.bsp.h5";
+  const std::string text = folder / "text.bsp.h5", nowhere = folder / "no/folder.mtx";
+  std::ofstream(text) << "this is no matrix";
+  std::vector<std::vector<std::string>> wrong = {{}, {"no-such-verb"}, {"--no-such-option"}};
+  for (const std::string& verb : verbs()) {
+    wrong.push_back({verb, "--no-such-option"});
+    for (const std::string& input : {missing, text}) {
+      wrong.push_back({verb, input});
+      wrong.push_back({verb, input, "-o", folder / "result.mtx"});
+    }
+  }
+  wrong.push_back({"city", "--size", "many", "-o", folder / "result.scene.h5"});
+  wrong.push_back({"city", "--size", "4", "-o", folder / "no/folder.scene.h5"});
+  for (const auto& words : wrong) {
+    const Finished run = vismat_program(words);
+    std::string command = "vismat";
+    for (const std::string& word : words) command += " " + word;
+    EXPECT_EQ(run.code(), 1) << command;
+    EXPECT_EQ(run.out, "") << command;
+    EXPECT_EQ(run.error.rfind("vismat: ", 0), 0u) << command << "\n" << run.error;
+    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << command << "\n" << run.error;
+    EXPECT_EQ(folder.entries(), 1u) << command << " left a file";
+  }
+}
+
+// Ctrl-C falls at ever later moments, until the program is through before it: whatever it was doing then, what
+// stood under the final name is whole, either the old file or the new one, and nothing lies beside it.
+void interrupt_everywhere(const TemporaryFolder& folder, std::size_t files_before,
+                          const std::vector<std::string>& words, const std::filesystem::path& result) {
+  using namespace std::chrono_literals;
+  vismat_program(words);
+  const std::string whole = contents(result);
+  ASSERT_FALSE(whole.empty());
+  int interrupted = 0;
+  bool through = false;
+  for (auto patience = 500us; !through; patience += patience / 5) {
+    std::ofstream(result, std::ios::trunc) << "old";
+    const Finished run = vismat_program(words, patience);
+    through = run.code() == 0;
+    interrupted += run.code() == 130;
+    const std::string left = contents(result);
+    EXPECT_TRUE(left == whole || (!through && left == "old")) << left.size() << " bytes";
+    EXPECT_EQ(folder.entries(), files_before + 1) << "after " << patience.count() << " us";
+  }
+  EXPECT_GT(interrupted, 0);
+}
+
+TEST(Program, LeavesNoPartialMatrixOnCtrlC) {
+  Random random(1);
+  std::vector<std::vector<std::uint32_t>> rows(1500);
+  for (auto& row : rows) {
+    for (std::uint32_t c = random.below(9); c < 3000; c += 1 + random.below(9)) row.push_back(c);
+  }
+  Dataset dataset;
+  dataset.matrix = VisibilityMatrix::from_rows(rows, 3000);
+  const TemporaryFolder folder;
+  const std::string input = folder / "in.bsp.h5";
+  write_dataset(input, dataset);
+  for (const char* name : {"out.bsp.h5", "out.mtx"}) {
+    const std::string output = folder / name;
+    interrupt_everywhere(folder, 1, {"convert", input, "-o", output}, output);
+    std::filesystem::remove(output);
+  }
+}
+
+TEST(Program, LeavesNoPartialSceneOnCtrlC) {
+  const TemporaryFolder folder;
+  const std::string output = folder / "out.scene.h5";
+  interrupt_everywhere(folder, 0, {"city", "--size", "16", "-o", output}, output);
+}
+
+}  // namespace
+}  // namespace vismat
