@@ -115,6 +115,11 @@ void print_dataset(const Dataset& dataset) {
   if (dataset.row_neighbours)
     add(true, "row neighbours (" + grouped(dataset.row_neighbours->ones() / 2) + " pairs)");
   line("geometry", geometry.empty() ? "none" : geometry);
+  if (dataset.row_order || dataset.column_order) {
+    line("reordered", std::string(dataset.row_order ? "rows" : "") +
+                          (dataset.row_order && dataset.column_order ? ", " : "") +
+                          (dataset.column_order ? "columns" : ""));
+  }
   if (!dataset.tree) return line("tree", "none");
   print_tree(*dataset.tree);
   if (dataset.columns_are_nodes) line("", "the columns are its nodes");

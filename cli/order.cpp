@@ -1,61 +1,167 @@
-// order: the same matrix with its rows in another order.
+// order: the same matrix with its rows, its columns or both in another order, and how far from the best that can be.
+#include <sys/resource.h>
+
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
-#include "cli/progress.h"
 #include "cli/verbs.h"
+#include "layout/cost.h"
+#include "layout/distinct_columns.h"
 #include "layout/greedy_order.h"
+#include "layout/held_karp.h"
+#include "layout/reordering.h"
+#include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
 
 namespace vismat::cli {
 namespace {
 
-// Groups of ones down all columns: what the paper's run lengths count.
-std::uint64_t runs_down_columns(const VisibilityMatrix& matrix) {
-  std::uint64_t runs = 0;
-  for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
-    for (const std::uint32_t c : matrix.row(r)) runs += r == 0 || !matrix.contains(r - 1, c);
+struct Options {
+  std::filesystem::path in, out, json;
+  std::string columns = "identity", rows = "identity";
+  std::uint32_t bound_steps = 200;
+  bool symmetric = false;
+  ReorderingOptions order;
+};
+
+// One side of the matrix, seen as columns.
+struct Result {
+  Permutation order;
+  std::uint64_t runs_before = 0, runs_after = 0;
+  std::optional<std::uint64_t> bound;
+  double seconds = 0;
+};
+
+constexpr std::uint32_t most_pairs_points = 30000;  // 1.8 GB of distances for the bound
+
+Result order_side(const VisibilityMatrix& matrix, const std::string& method, const Dataset& data, bool rows,
+                  const Options& options) {
+  const auto start = std::chrono::steady_clock::now();
+  Result result;
+  if (method == "neighbours") {
+    if (!rows || !data.row_neighbours) {
+      throw std::invalid_argument(
+          "neighbours orders rows of a matrix that says which rows touch; use --rows greedy");
+    }
+    result.order = order_rows_by_neighbours(data.matrix, *data.row_neighbours);
+  } else {
+    ReorderingOptions side = options.order;
+    side.column_bounds = rows ? data.row_bounds : data.column_bounds;
+    result.order = find_reordering(method).order_columns(matrix, side);
   }
-  return runs;
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Permutation identity = Permutation::identity(matrix.shape().rows);
+  result.runs_before = count_runs(matrix);
+  result.runs_after = count_runs(permute(matrix, identity, result.order));
+  if (options.bound_steps > 0) {
+    const DistinctColumns distinct = distinct_columns(matrix);  // equal columns cost nothing side by side
+    if (distinct.matrix.shape().columns <= most_pairs_points) {
+      result.bound = held_karp_bound(ColumnPoints(distinct.matrix),
+                                     {.steps = options.bound_steps, .known_runs = result.runs_after})
+                         .runs;
+    }
+  }
+  return result;
+}
+
+void print(const char* side, const Result& r) {
+  std::printf("%-8s %12ju runs of ones, were %ju (%.1f %% fewer)", side, std::uintmax_t{r.runs_after},
+              std::uintmax_t{r.runs_before},
+              r.runs_before == 0
+                  ? 0.
+                  : 100. - 100. * static_cast<double>(r.runs_after) / static_cast<double>(r.runs_before));
+  if (r.bound) {
+    std::printf("; no order has fewer than %ju: within %.2f %%", std::uintmax_t{*r.bound},
+                *r.bound == 0
+                    ? 0.
+                    : 100. * static_cast<double>(r.runs_after - *r.bound) / static_cast<double>(*r.bound));
+  }
+  std::printf("; %.2f s\n", r.seconds);
+}
+
+nlohmann::json report(const Result& r) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  nlohmann::json json = {{"runs_before", r.runs_before},
+                         {"runs_after", r.runs_after},
+                         {"bound", nullptr},
+                         {"seconds", r.seconds},
+                         {"peak_bytes", usage.ru_maxrss * 1024}};
+  if (r.bound) json["bound"] = *r.bound;
+  return json;
+}
+
+void run(const Options& options) {
+  const Dataset data = read_dataset(options.in);
+  const Shape shape = data.matrix.shape();
+  if (options.columns == "identity" && options.rows == "identity") {
+    throw std::invalid_argument("nothing to order: say --columns METHOD or --rows METHOD, for example best");
+  }
+  if (options.symmetric && (shape.rows != shape.columns || options.rows != "identity")) {
+    throw std::invalid_argument("--symmetric takes a square matrix and --columns alone; this one is " +
+                                std::to_string(shape.rows) + " x " + std::to_string(shape.columns));
+  }
+  Permutation rows = Permutation::identity(shape.rows), columns = Permutation::identity(shape.columns);
+  std::optional<Result> of_columns, of_rows;
+  if (options.columns != "identity") {
+    of_columns = order_side(data.matrix, options.columns, data, false, options);
+    columns = of_columns->order;
+    if (options.symmetric) rows = columns;
+  }
+  if (options.rows != "identity") {
+    of_rows = order_side(transpose(data.matrix), options.rows, data, true, options);
+    rows = of_rows->order;
+  }
+  const Dataset result = reordered(data, rows, columns);
+  if (of_columns) print("columns", *of_columns);
+  if (of_rows) print("rows", *of_rows);
+  if (data.columns_are_nodes && !result.columns_are_nodes) {
+    std::printf("the columns were a tree's nodes; in another order they are not, so the tree is left out\n");
+  }
+  if (!options.json.empty()) {
+    nlohmann::json json = report(of_columns ? *of_columns : *of_rows);
+    if (of_columns && of_rows) json["rows"] = report(*of_rows);
+    const std::string text = json.dump(2) + "\n";
+    write_file(options.json, std::as_bytes(std::span(text)));
+  }
+  write_dataset(options.out, result);
 }
 
 }  // namespace
 
 void add_order(CLI::App& app) {
-  struct Options {
-    std::filesystem::path in, out;
-    std::string rows = "greedy";
-  };
   auto options = std::make_shared<Options>();
+  std::string methods;
+  for (const Reordering& method : reorderings()) {
+    methods += "\n  " + std::string(method.name) + ": " + std::string(method.idea);
+  }
   CLI::App* verb =
-      app.add_subcommand("order", "Reorder the rows of a matrix so that similar ones are neighbours");
+      app.add_subcommand("order", "Reorder rows and columns so that similar ones are neighbours");
   verb->add_option("MATRIX", options->in, "Matrix file, .bsp.h5 or .mtx")->required();
-  verb->add_option("-o,--output", options->out, "Matrix file to write")->required();
-  verb->add_option("--rows", options->rows,
-                   "greedy: the most similar row next; neighbours: the same among touching view cells only")
-      ->check(CLI::IsMember({"greedy", "neighbours"}))
+  verb->add_option("-o,--output", options->out, "Matrix file to write; its order is stored with it")
+      ->required();
+  verb->add_option("--columns", options->columns, "Method for the columns, from the list below")
       ->capture_default_str();
-  verb->footer("Example: vismat order city32.bsp.h5 --rows greedy -o city32-ordered.bsp.h5");
-  verb->callback([options] {
-    const Dataset data = read_dataset(options->in);
-    if (options->rows == "neighbours" && !data.row_neighbours) {
-      throw std::invalid_argument(options->in.string() +
-                                  ": does not say which rows are neighbours; use --rows greedy");
-    }
-    const auto start = std::chrono::steady_clock::now();
-    const Permutation rows = options->rows == "greedy"
-                                 ? order_rows_greedily(data.matrix, show_progress("ordering rows"))
-                                 : order_rows_by_neighbours(data.matrix, *data.row_neighbours);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const Dataset ordered = with_rows_permuted(data, rows);
-    write_dataset(options->out, ordered);
-    std::printf("%s: %llu runs of ones down the columns, were %llu; %.2f s\n", options->out.c_str(),
-                static_cast<unsigned long long>(runs_down_columns(ordered.matrix)),
-                static_cast<unsigned long long>(runs_down_columns(data.matrix)), seconds);
-  });
+  verb->add_option("--rows", options->rows,
+                   "Method for the rows; also neighbours: greedy among touching view cells")
+      ->capture_default_str();
+  verb->add_flag("--symmetric", options->symmetric, "Square matrix: the columns' order for the rows too");
+  verb->add_option("--seed", options->order.seed, "Seed of random and of the tours' kicks")
+      ->capture_default_str();
+  verb->add_option("--seconds", options->order.seconds,
+                   "Polish tours that long instead of a fixed number of kicks");
+  verb->add_option("--bound", options->bound_steps, "Steps of the lower bound's ascent; 0: no bound")
+      ->capture_default_str();
+  verb->add_option("--json", options->json, "Also write runs, bound, seconds and peak memory there");
+  verb->footer("Methods:" + methods +
+               "\n\nExample: vismat order koth1.bsp.h5 --columns best --rows best -o ordered.bsp.h5");
+  verb->callback([options] { run(*options); });
 }
 
 }  // namespace vismat::cli

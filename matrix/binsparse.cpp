@@ -320,6 +320,21 @@ void write_boxes(Hdf5File& file, const std::string& name, const std::vector<Box>
   file.write<float>(name, numbers, {bounds.size(), 6});
 }
 
+std::optional<Permutation> read_order(const Hdf5File& file, const std::string& name, std::uint32_t size) {
+  if (!file.contains(name)) return std::nullopt;
+  auto map = file.read<std::uint32_t>(name);
+  need_length(name, map.size(), size, "the number of rows or columns");
+  try {
+    return Permutation::from_new_of_old(std::move(map));
+  } catch (const std::invalid_argument& error) {
+    fail(name, error.what());
+  }
+}
+
+void write_order(Hdf5File& file, const std::string& name, const std::optional<Permutation>& order) {
+  if (order) file.write(name, order->new_of_old(), {order->size()});
+}
+
 const std::string neighbours_group = "/vismat/row_neighbours", tree_group = "/vismat/tree";
 
 std::optional<VisibilityMatrix> read_neighbours(const Hdf5File& file, std::uint32_t rows) {
@@ -390,6 +405,8 @@ Dataset read_binsparse(const Hdf5File& file) {
   dataset.columns_are_nodes = file.number_attribute("/", "vismat_columns_are_nodes").value_or(0) != 0;
   dataset.row_bounds = read_boxes(file, "/vismat/row_bounds", shape.rows);
   dataset.column_bounds = read_boxes(file, "/vismat/column_bounds", shape.columns);
+  dataset.row_order = read_order(file, "/vismat/row_order", shape.rows);
+  dataset.column_order = read_order(file, "/vismat/column_order", shape.columns);
   dataset.row_neighbours = read_neighbours(file, shape.rows);
   dataset.tree = read_tree(file);
   check_tree(dataset);
@@ -422,6 +439,8 @@ void write_binsparse(Hdf5File& file, const Dataset& dataset) {
   if (dataset.columns_are_nodes) file.write_attribute("/", "vismat_columns_are_nodes", 1);
   write_boxes(file, "/vismat/row_bounds", dataset.row_bounds);
   write_boxes(file, "/vismat/column_bounds", dataset.column_bounds);
+  write_order(file, "/vismat/row_order", dataset.row_order);
+  write_order(file, "/vismat/column_order", dataset.column_order);
   if (dataset.row_neighbours) {
     const VisibilityMatrix& neighbours = *dataset.row_neighbours;
     file.write(neighbours_group + "/pointers_to_1", neighbours.offsets(), {neighbours.offsets().size()});

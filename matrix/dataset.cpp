@@ -49,6 +49,28 @@ std::vector<Box> node_bounds(const ObjectTree& tree, const std::vector<Box>& of_
   return result;
 }
 
+std::vector<Box> moved(const std::vector<Box>& boxes, const Permutation& order) {
+  std::vector<Box> result(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) result[order.new_of_old()[i]] = boxes[i];
+  return result;
+}
+
+ObjectTree with_objects_moved(const ObjectTree& tree, const Permutation& order) {
+  std::vector<std::uint32_t> parents(tree.parent_of_node().begin(), tree.parent_of_node().end());
+  std::vector<std::uint32_t> objects(tree.object_of_node().begin(), tree.object_of_node().end());
+  for (std::uint32_t& object : objects) {
+    if (object != ObjectTree::none) object = order.new_of_old()[object];
+  }
+  return ObjectTree::from_parents(std::move(parents), std::move(objects), tree.object_count());
+}
+
+Permutation followed_by(const std::optional<Permutation>& first, const Permutation& then) {
+  if (!first) return then;
+  std::vector<std::uint32_t> map(first->new_of_old().begin(), first->new_of_old().end());
+  for (std::uint32_t& place : map) place = then.new_of_old()[place];
+  return Permutation::from_new_of_old(std::move(map));
+}
+
 }  // namespace
 
 std::string_view to_string(Guarantee guarantee) {
@@ -100,17 +122,25 @@ Dataset over_nodes(const Dataset& objects) {
   nodes.matrix = nodes_from_objects(objects.matrix, *objects.tree);
   nodes.columns_are = "node";
   nodes.columns_are_nodes = true;
+  nodes.column_order.reset();
   nodes.column_bounds = node_bounds(*objects.tree, objects.column_bounds);
   return nodes;
 }
 
-Dataset with_rows_permuted(const Dataset& dataset, const Permutation& rows) {
+Dataset reordered(const Dataset& dataset, const Permutation& rows, const Permutation& columns) {
   Dataset result = dataset;
-  result.matrix = permute(dataset.matrix, rows, Permutation::identity(dataset.matrix.shape().columns));
+  result.matrix = permute(dataset.matrix, rows, columns);
+  result.row_bounds = moved(dataset.row_bounds, rows);
+  result.column_bounds = moved(dataset.column_bounds, columns);
   if (dataset.row_neighbours) result.row_neighbours = permute(*dataset.row_neighbours, rows, rows);
-  for (std::size_t r = 0; r < dataset.row_bounds.size(); ++r) {
-    result.row_bounds[rows.new_of_old()[r]] = dataset.row_bounds[r];
+  if (dataset.tree && !columns.is_identity()) {
+    result.columns_are_nodes = false;
+    result.tree =
+        dataset.columns_are_nodes ? std::nullopt : std::optional(with_objects_moved(*dataset.tree, columns));
   }
+  if (dataset.row_order || !rows.is_identity()) result.row_order = followed_by(dataset.row_order, rows);
+  if (dataset.column_order || !columns.is_identity())
+    result.column_order = followed_by(dataset.column_order, columns);
   return result;
 }
 

@@ -25,7 +25,8 @@ struct Box {
 /// miss, never invents.
 enum class Guarantee { unknown, exact, conservative, aggressive };
 std::string_view to_string(Guarantee guarantee);
-Guarantee guarantee_from_string(std::string_view name);  // throws std::invalid_argument listing the right ones
+Guarantee guarantee_from_string(
+    std::string_view name);  // throws std::invalid_argument listing the right ones
 
 struct Dataset {
   VisibilityMatrix matrix;
@@ -41,6 +42,8 @@ struct Dataset {
   /// column is a node of it instead (size() == columns) and the matrix is monotone over the tree.
   std::optional<ObjectTree> tree;
   bool columns_are_nodes = false;
+  /// Where the rows and columns of the source stand now, if they were reordered: new_of_old() leads from its numbers.
+  std::optional<Permutation> row_order, column_order;
   bool operator==(const Dataset&) const = default;
 };
 
@@ -55,7 +58,9 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 /// boxes are known, is the least around its objects. Needs a tree and columns that are objects.
 Dataset over_nodes(const Dataset& objects);
 
-/// Everything that goes by rows in the new order: the matrix, row_bounds, row_neighbours (both ways).
-Dataset with_rows_permuted(const Dataset& dataset, const Permutation& rows);
+/// Rows and columns in a new order, with all that goes by them: boxes, neighbours, the objects in the tree; row_order and
+/// column_order lead from the source's numbers to the present ones. A tree whose nodes are the columns cannot follow another
+/// order of columns and is left out.
+Dataset reordered(const Dataset& dataset, const Permutation& rows, const Permutation& columns);
 
 }  // namespace vismat

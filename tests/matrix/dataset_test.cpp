@@ -55,9 +55,41 @@ std::string refusal(const std::filesystem::path& path) {
   return "";
 }
 
+TEST(Dataset, ReorderedMovesAllThatGoesByRowsAndColumns) {
+  const Dataset before = full_dataset();
+  const auto rows = Permutation::from_new_of_old({2, 0, 1}),
+             columns = Permutation::from_new_of_old({1, 0, 2});
+  const Dataset after = reordered(before, rows, columns);
+  EXPECT_EQ(after.matrix, VisibilityMatrix::from_rows({{}, {0, 2}, {1, 2}}, 3));
+  EXPECT_EQ(after.row_bounds[2], before.row_bounds[0]);
+  EXPECT_EQ(after.column_bounds[1], before.column_bounds[0]);
+  EXPECT_EQ(*after.row_neighbours, VisibilityMatrix::from_rows({{1, 2}, {0}, {0}}, 3));
+  EXPECT_EQ(after.tree->object_of_node()[1], 1u);
+  EXPECT_EQ(after.row_order, rows);
+
+  // Back again: nothing but the record of having moved is left.
+  Dataset again = reordered(after, rows.inverse(), columns.inverse());
+  EXPECT_TRUE(again.row_order->is_identity());
+  EXPECT_TRUE(again.column_order->is_identity());
+  again.row_order = again.column_order = std::nullopt;
+  EXPECT_EQ(again, before);
+}
+
+TEST(Dataset, ReorderedLeavesOutATreeWhoseNodesTheColumnsWere) {
+  const Dataset nodes = over_nodes(full_dataset());
+  const auto rows = Permutation::identity(3);
+  EXPECT_TRUE(reordered(nodes, rows, Permutation::identity(5)).tree);
+  const Dataset after = reordered(nodes, rows, Permutation::from_new_of_old({1, 0, 2, 3, 4}));
+  EXPECT_FALSE(after.tree);
+  EXPECT_FALSE(after.columns_are_nodes);
+}
+
 TEST(Dataset, KeepsEverythingInBinsparse) {
   const TemporaryFolder folder;
-  for (const Dataset& dataset : {Dataset{}, full_dataset(), over_nodes(full_dataset()), large_dataset()}) {
+  const auto turned = reordered(full_dataset(), Permutation::from_new_of_old({2, 0, 1}),
+                                Permutation::from_new_of_old({1, 0, 2}));
+  for (const Dataset& dataset :
+       {Dataset{}, full_dataset(), over_nodes(full_dataset()), large_dataset(), turned}) {
     write_dataset(folder / "a.bsp.h5", dataset);
     EXPECT_EQ(read_dataset(folder / "a.bsp.h5"), dataset);
   }
