@@ -4,25 +4,13 @@
 
 The bitmap is packed here and compressed by gzip(1) itself, so that none of our codecs vouches for itself.
 """
-import json
 import pathlib
 import re
 import subprocess
 import sys
 import tempfile
 
-import h5py
-import numpy
-
-
-def bitmap(path):
-    """Rows padded to bytes, the lowest bit first, from a Binsparse CSR file."""
-    with h5py.File(path) as file:
-        starts, ids = file["pointers_to_1"][:].astype(numpy.int64), file["indices_1"][:]
-        columns = json.loads(file.attrs["binsparse"])["binsparse"]["shape"][1]
-    dense = numpy.zeros((len(starts) - 1, columns), numpy.uint8)
-    dense[numpy.repeat(numpy.arange(len(starts) - 1), numpy.diff(starts)), ids] = 1
-    return dense, numpy.packbits(dense, axis=1, bitorder="little").tobytes()
+from table_structure import bitmap, dense_table
 
 
 def main(vismat, level):
@@ -33,14 +21,13 @@ def main(vismat, level):
         cells, faces, packed = (str(pathlib.Path(folder) / name) for name in ("c.bsp.h5", "f.bsp.h5", "c.vmat"))
         run("import", level, "--matrix", "cells", "--tree", "none", "-o", cells)
         run("import", level, "--matrix", "faces", "--tree", "none", "-o", faces)
-        dense, table = bitmap(cells)
-        dense_faces, table_faces = bitmap(faces)
+        cells_table, faces_table = dense_table(cells), dense_table(faces)
         quake = re.search(r"(\d+) bytes of payload", run("encode", cells, "--codec", "quake-rle", "-o", packed)).group(1)
-        gzip = subprocess.run(["gzip", "-9", "-n"], input=table, check=True, capture_output=True).stdout
-    figures = [("clusters", dense.shape[0], 2415), ("per cent visible", round(100 * dense.mean(), 1), 16.9),
-               ("bytes as a bitmap", len(table), 729330), ("bytes as Quake RLE", int(quake), 353625),
-               ("bytes after gzip -9 -n", len(gzip), 104402), ("face columns", dense_faces.shape[1], 2200),
-               ("bytes as a bitmap, faces", len(table_faces), 664125)]
+        gzip = subprocess.run(["gzip", "-9", "-n"], input=bitmap(cells_table), check=True, capture_output=True).stdout
+    figures = [("clusters", cells_table.shape[0], 2415), ("per cent visible", round(100 * cells_table.mean(), 1), 16.9),
+               ("bytes as a bitmap", len(bitmap(cells_table)), 729330), ("bytes as Quake RLE", int(quake), 353625),
+               ("bytes after gzip -9 -n", len(gzip), 104402), ("face columns", faces_table.shape[1], 2200),
+               ("bytes as a bitmap, faces", len(bitmap(faces_table)), 664125)]
     for what, ours, known in figures:
         print(f"oa_koth1: {what:<25} {ours:>9}  {'ok' if ours == known else f'differs, {known} is known'}")
     return any(ours != known for _, ours, known in figures)

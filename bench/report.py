@@ -1,7 +1,8 @@
 """Zach and Karner 2003, Tables 1 and 2, for our data beside the published figures: text, charts, one page.
 
-    bench/report.py [OUT]    reads OUT/zach2003_scenes.csv and OUT/zach2003.csv, which bench/zach_tables wrote, and writes
-                             OUT/zach2003.txt, OUT/*.png and OUT/report.html; prints the text
+    bench/report.py [OUT]    reads OUT/zach2003_scenes.csv and OUT/zach2003.csv, which bench/zach_tables wrote, and
+                             OUT/zach2003_structure.csv of bench/table_structure.py; writes OUT/zach2003.txt, OUT/*.png
+                             and OUT/report.html; prints the text
 
 The notebook imports the same functions. Nothing here measures: every figure is read, and every ratio is table size / bytes.
 """
@@ -43,11 +44,13 @@ THEIRS = dict(facecolor="white", edgecolor="#333333", hatch="////", linewidth=0.
 
 @dataclass
 class Results:
-    """scenes: Table 1, sizes: Table 2 with a row a matrix and codec; each ours and as published, the same columns."""
+    """scenes: Table 1, sizes: Table 2 with a row a matrix and codec; each ours and as published, the same columns.
+    structure: what bench/table_structure.py measured of each matrix."""
     scenes: pd.DataFrame
     sizes: pd.DataFrame
     published_scenes: pd.DataFrame
     published_sizes: pd.DataFrame
+    structure: pd.DataFrame
 
     @property
     def levels(self):
@@ -59,7 +62,7 @@ class Results:
 
 
 def load(out):
-    """Reads what zach_tables wrote into the folder `out`, and the published figures."""
+    """Reads what zach_tables and table_structure.py wrote into the folder `out`, and the published figures."""
     def scenes(path):
         return pd.read_csv(path, comment="#").set_index("matrix")
 
@@ -74,7 +77,8 @@ def load(out):
 
     out = pathlib.Path(out)
     return Results(scenes(out / "zach2003_scenes.csv"), sizes(out / "zach2003.csv"),
-                   scenes(PUBLISHED / "zach2003_scenes.csv"), sizes(PUBLISHED / "zach2003.csv"))
+                   scenes(PUBLISHED / "zach2003_scenes.csv"), sizes(PUBLISHED / "zach2003.csv"),
+                   scenes(out / "zach2003_structure.csv"))
 
 
 # ---- tables ----------------------------------------------------------------------------------------------------------------
@@ -148,11 +152,36 @@ def far_from_published(results):
 
 
 def other_rankings(results):
-    """Each level whose methods do not rank as on both real scenes of the paper, with the two orders."""
+    """The order of the methods on both real scenes of the paper, smallest first, and each level and pair where the one that
+    comes later there is the smaller one here: by how many per cent, and what may be behind it."""
     expected = ranking(results.published_sizes, "inner-city")
-    rows = [{"level": name, "smallest first": " < ".join(found), "first": found[0]}
-            for name in results.levels if (found := ranking(results.sizes, name)) != expected]
-    return " < ".join(expected), pd.DataFrame(rows, columns=["level", "smallest first", "first"])
+    rows = []
+    for name in results.levels:
+        sizes = results.sizes["bytes"].xs(name, level="matrix").rename(METHODS)
+        for i, later in enumerate(expected):
+            for earlier in expected[:i]:
+                if sizes[later] < sizes[earlier]:
+                    rows.append({"level": name, "pair": f"{later} before {earlier}", "smaller by, %": 100 * (1 - sizes[later] / sizes[earlier]),
+                                 "table, kB": sizes["bitmap"] / 1e3, **results.structure.loc[name]})
+    return expected, pd.DataFrame(rows)
+
+
+def structure_with_and_without(results):
+    """For each pair of other_rankings: medians over the levels where it is turned round, and over the others."""
+    _, turned = other_rankings(results)
+    levels = results.structure.loc[results.levels].drop(columns="bzip2_distinct")
+    levels["table, kB"] = results.sizes["bytes"].xs("bitmap", level="codec") / 1e3
+    rows = [{"pair": pair, "": whose, "levels": len(part), **part.median()}
+            for pair, group in (turned.groupby("pair") if len(turned) else ())
+            for whose, part in (("turned", levels.loc[group["level"]]), ("as published", levels.drop(group["level"])))]
+    return pd.DataFrame(rows)
+
+
+def cost_of_repeats(results):
+    """What leaving out repeated columns saves bzip2: the part of the columns, and the part of its bytes."""
+    whole = results.sizes["bytes"].xs("bzip2", level="codec")
+    return pd.DataFrame({"columns that repeat, %": 100 * (1 - results.structure["distinct_columns"]),
+                         "bzip2's bytes for them, %": 100 * (1 - results.structure["bzip2_distinct"] / whole)})
 
 
 def to_text(table):
@@ -176,7 +205,7 @@ def _bare(axes):
 
 def draw_ratios(results):
     """Bars, a panel an artificial scene: our ratio beside the published one."""
-    figure, panels = plt.subplots(1, max(1, len(results.artificial)), figsize=(5.2 * max(1, len(results.artificial)), 4),
+    figure, panels = plt.subplots(1, max(1, len(results.artificial)), figsize=(5.6 * max(1, len(results.artificial)), 4),
                                   squeeze=False, layout="constrained")
     for axes, name in zip(panels[0], results.artificial):
         _bare(axes)
@@ -186,7 +215,7 @@ def draw_ratios(results):
                 if pd.isna(ratio):
                     continue
                 axes.bar(i + offset, ratio, 0.4, **style)
-                axes.text(i + offset, ratio, f"{ratio:.1f}", ha="center", va="bottom", fontsize=8)
+                axes.text(i + offset, ratio, f"{ratio:.1f}", ha="center", va="bottom", fontsize=7.5)
         axes.set_xticks(range(len(METHODS)), [label.replace(" ", "\n") for label in METHODS.values()], fontsize=9)
         axes.set_title(SCENES[name], fontsize=11)
         axes.grid(axis="y", color="#dddddd")
@@ -199,7 +228,7 @@ def draw_ratios(results):
 def draw_levels(results):
     """A dot a level and method, the median as a bar; the paper's two real scenes beside them."""
     methods = {**METHODS, **OURS_ONLY}
-    figure, axes = plt.subplots(figsize=(9, 4.6), layout="constrained")
+    figure, axes = plt.subplots(figsize=(10, 4.6), layout="constrained")
     _bare(axes)
     for i, codec in enumerate(methods):
         ratios = sorted(r for (name, c), r in results.sizes["ratio"].items() if c == codec and name not in SCENES)
@@ -226,9 +255,10 @@ def draw_levels(results):
 
 def draw_bytes_against_visibility(results):
     """Each matrix's bytes over how much of it is visible: the table, gzip and method 3 on one vertical line."""
-    figure, axes = plt.subplots(figsize=(9, 5.6), layout="constrained")
+    figure, axes = plt.subplots(figsize=(9, 6.4), layout="constrained")
     _bare(axes)
     markers = {"bitmap": "_", "gzip": "x", "zach3": "o"}
+    labels = []
     few = len(results.levels) <= 16
     for scenes, sizes, color, filled in ((results.scenes, results.sizes, OURS["facecolor"], True),
                                          (results.published_scenes, results.published_sizes, "#333333", False)):
@@ -242,17 +272,11 @@ def draw_bytes_against_visibility(results):
             for codec, size in points.items():
                 axes.scatter(x, size, s=36 if few or name in SCENES else 10, marker=markers[codec], linewidths=1.2, color=color,
                              facecolors=(color if filled else "white") if codec == "zach3" else None, zorder=3)
-            if few or name in SCENES:  # ours above their line, published below
-                label, at, up = SCENES.get(name, name), max(points.values()), 1
-                if not filled:
-                    label, at, up = label + ", published", min(points.values()), -1
-                axes.annotate(label, (x, at), xytext=(0, 6 * up), textcoords="offset points", rotation=40 * up, fontsize=8, ha="left",
-                              va="bottom" if filled else "top", color=color, rotation_mode="default")
+            if few or name in SCENES:
+                labels.append((x, max(points.values()), SCENES.get(name, name) + ("" if filled else ", published"), color))
     axes.set_xscale("log")
     axes.set_yscale("log")
-    low, high = axes.get_ylim()
-    axes.set_ylim(low / 4, high * 6)
-    axes.set_xlim(right=axes.get_xlim()[1] * 1.25)
+    _label_above(axes, labels)
     _plain_ticks(axes.xaxis, " %", (1, 1.5, 2, 3, 5, 7))
     axes.set_xlabel("average visibility: ones / (rows x columns), per cent")
     axes.set_ylabel("bytes")
@@ -262,6 +286,22 @@ def draw_bytes_against_visibility(results):
     handles.append(plt.Line2D([], [], marker="o", ls=":", color="#333333", mfc="white", label="published 2003"))
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=4, frameon=False)
     return figure
+
+
+def _label_above(axes, labels, gap=0.042):
+    """Names of points, (x, y, name, color) each, in a row above the axes, far enough apart to read; a thin line leads to each."""
+    labels = sorted(labels)
+    to_fraction = axes.transData + axes.transAxes.inverted()
+    places = [to_fraction.transform((x, y))[0] for x, y, _, _ in labels]
+    for i in range(1, len(places)):
+        places[i] = max(places[i], places[i - 1] + gap)
+    for i in reversed(range(len(places))):
+        places[i] = min(places[i], 1 - (len(places) - 1 - i) * gap)
+    for place, (x, y, name, color) in zip(places, labels):
+        axes.annotate("", (x, y), xytext=(place, 1), textcoords="axes fraction", annotation_clip=False,
+                      arrowprops=dict(arrowstyle="-", color="#bbbbbb", linewidth=0.6, shrinkA=0, shrinkB=2))
+        axes.text(place, 1.01, name, transform=axes.transAxes, rotation=60, fontsize=8, color=color, ha="left", va="bottom",
+                  rotation_mode="anchor")
 
 
 def _plain_ticks(axis, unit, steps=(1, 2, 5)):
