@@ -1,0 +1,33 @@
+// Seeded synthetic matrices in the likeness of large scenes, at the size of the papers'.
+#pragma once
+#include <cstdint>
+
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+/// A scene whose rows are the boundaries between neighbouring view cells of a square grid and whose columns are
+/// objects: row r holds the objects that appear or vanish as a viewer crosses boundary r [Chhugani et al. 2005].
+struct DeltaSceneOptions {
+  Shape shape{350000, 400000};
+  double ones_per_column = 1300;  // on average; met within 2 % where the grid has room for it
+  std::uint32_t sites = 6000;     // places where objects stand together
+  double crowd_tail = 1.5;        // Pareto exponent of the number of objects at a site: less is more uneven
+  double range_tail = 3;          // Pareto exponent of how far a site is seen: less is more uneven
+  double private_view = .05;      // share of an object's lines of sight that are its own, not its site's
+  std::uint64_t seed = 1;
+};
+
+/// The matrix: coherent among the objects of a site, incoherent between sites, columns numbered at random, so that
+/// the order it comes in helps no method. Same options, same matrix, for any thread count. O(ones); takes twice the
+/// memory of the result. Throws std::invalid_argument unless shares lie in [0, 1], tails are above .5,
+/// ones_per_column is above 0 and there is a site.
+VisibilityMatrix generate_delta_scene(const DeltaSceneOptions& options, unsigned threads = 0);
+
+/// The two scenes of paper 000, section 6.1, smaller by `scale` in (0, 1]: so many times fewer boundaries, objects
+/// and sites, and, as the rim of a region grows like the root of its area, sqrt(scale) of the ones a column.
+/// Calibrated as the source tells. `harder` makes a less redundant one.
+DeltaSceneOptions power_plant_scene(double scale, bool harder = false);
+DeltaSceneOptions city_scene(double scale, bool harder = false);
+
+}  // namespace vismat
