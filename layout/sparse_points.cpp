@@ -1,0 +1,100 @@
+// ALGORITHM. Columns are sorted by a 64-bit hash of their ids; columns with equal hashes are compared with the first
+// of each kind among them, so a clash of hashes costs time and never merges what differs.
+#include "layout/sparse_points.h"
+
+#include <algorithm>
+#include <atomic>
+#include <numeric>
+#include <utility>
+
+#include "matrix/parallel.h"
+
+namespace vismat {
+namespace {
+
+constexpr std::uint32_t none = 0xffffffff;
+
+std::uint64_t hash(std::span<const std::uint32_t> ids) {
+  std::uint64_t h = ids.size();
+  for (const std::uint32_t id : ids) {
+    h = (h ^ id) * 0x9e3779b97f4a7c15u;
+    h ^= h >> 29;
+  }
+  return h;
+}
+
+}  // namespace
+
+SparsePoints::SparsePoints(const VisibilityMatrix& matrix, bool collapse) : columns_(transpose(matrix)) {
+  const std::uint32_t count = columns_.shape().rows;
+  twin_.assign(count, none);
+  if (!collapse) {
+    column_of_point_.resize(count);
+    std::iota(column_of_point_.begin(), column_of_point_.end(), 0u);
+    return;
+  }
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
+  for (std::uint32_t c = 0; c < count; ++c) {
+    if (columns_.row(c).empty())
+      empty_.push_back(c);
+    else
+      keys.emplace_back(hash(columns_.row(c)), c);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::uint32_t> last;  // of each kind among equal hashes, the column found last
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (i == 0 || keys[i].first != keys[i - 1].first) last.clear();
+    const std::uint32_t c = keys[i].second;
+    const auto same = std::find_if(last.begin(), last.end(), [&](std::uint32_t other) {
+      const auto a = columns_.row(c), b = columns_.row(other);
+      return std::equal(a.begin(), a.end(), b.begin(), b.end());
+    });
+    if (same == last.end()) {
+      last.push_back(c);
+      column_of_point_.push_back(c);
+    } else {
+      twin_[*same] = c;
+      *same = c;
+    }
+  }
+  std::sort(column_of_point_.begin(), column_of_point_.end());
+}
+
+std::uint32_t SparsePoints::distance(std::uint32_t a, std::uint32_t b) const {
+  const auto x = ones(a), y = ones(b);
+  std::uint32_t shared = 0;
+  for (std::size_t i = 0, j = 0; i < x.size() && j < y.size();) {  // without a branch to mispredict
+    const std::uint32_t u = x[i], v = y[j];
+    shared += u == v;
+    i += u <= v;
+    j += v <= u;
+  }
+  return static_cast<std::uint32_t>(x.size() + y.size()) - 2 * shared;
+}
+
+Permutation SparsePoints::order_of_columns(std::span<const std::uint32_t> points) const {
+  std::vector<std::uint32_t> order;
+  order.reserve(columns_.shape().rows);
+  for (const std::uint32_t p : points) {
+    for (std::uint32_t c = column_of_point_[p]; c != none; c = twin_[c]) order.push_back(c);
+  }
+  order.insert(order.end(), empty_.begin(), empty_.end());
+  return Permutation::from_old_of_new(std::move(order));
+}
+
+std::uint64_t runs_of_visits(const SparsePoints& points, std::span<const std::uint32_t> visits,
+                             unsigned threads) {
+  if (visits.empty()) return 0;
+  std::atomic<std::uint64_t> length =
+      points.weight(visits.front()) + std::uint64_t{points.weight(visits.back())};
+  constexpr std::size_t piece = 4096;
+  parallel_for((visits.size() + piece - 2) / piece, threads, [&](std::uint64_t n) {
+    std::uint64_t sum = 0;
+    const std::size_t end = std::min(visits.size(), (n + 1) * piece + 1);
+    for (std::size_t i = n * piece + 1; i < end; ++i) sum += points.distance(visits[i - 1], visits[i]);
+    length += sum;
+  });
+  return length / 2;
+}
+
+}  // namespace vismat

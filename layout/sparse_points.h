@@ -1,0 +1,47 @@
+// The distinct columns of a matrix as sparse points of a Hamming space: for matrices too large for ColumnPoints.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "matrix/permutation.h"
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+/// Equal columns are one point, and columns without a one are none: an order loses nothing by keeping them together.
+/// Unless told not to collapse them: then point c is column c.
+/// Point size() is the all-zero vector, as in ColumnPoints. Memory: the matrix once more, transposed, and 12 bytes a
+/// column. O(ones) to make.
+class SparsePoints {
+ public:
+  explicit SparsePoints(const VisibilityMatrix& matrix, bool collapse = true);
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(column_of_point_.size()); }
+  std::uint32_t rows() const { return columns_.shape().columns; }
+  std::uint32_t zero() const { return size(); }
+  /// The ones of a point, ascending.
+  std::span<const std::uint32_t> ones(std::uint32_t point) const {
+    if (point == zero()) return {};
+    return columns_.row(column_of_point_[point]);
+  }
+  std::uint32_t weight(std::uint32_t point) const { return static_cast<std::uint32_t>(ones(point).size()); }
+  /// By merging: O(weight(a) + weight(b)).
+  std::uint32_t distance(std::uint32_t a, std::uint32_t b) const;
+  /// The first column equal to a point.
+  std::uint32_t column(std::uint32_t point) const { return column_of_point_[point]; }
+  /// A visiting order of all points but zero() as one of all columns; empty columns come last.
+  Permutation order_of_columns(std::span<const std::uint32_t> points) const;
+
+ private:
+  VisibilityMatrix columns_;
+  std::vector<std::uint32_t> column_of_point_;
+  std::vector<std::uint32_t> twin_;  // of a column: the next one equal to it, or `none`
+  std::vector<std::uint32_t> empty_;
+};
+
+/// Runs of the matrix when its points are visited in this order: half the tour from zero() and back to it.
+std::uint64_t runs_of_visits(const SparsePoints& points, std::span<const std::uint32_t> visits,
+                             unsigned threads = 0);
+
+}  // namespace vismat
