@@ -29,8 +29,8 @@ PUBLISHED = ROOT / "bench" / "published"
 # mentioned the order by neighbours alone (4.2).
 METHODS = {"gzip": "gzip", "bzip2": "bzip2", "zach0": "method 0", "zach1": "method 1", "zach2": "method 2",
            "zach3": "method 3", "zach4": "method 4"}
-OURS_ONLY = {"quake-rle": "Quake RLE", "zach3-neighbours": "method 3, neighbours", "zach3-range": "method 3, range coder",
-             "zach4-range": "method 4, range coder"}
+OURS_ONLY = {"zach3-neighbours": "method 3, neighbours", "zach3-range": "method 3, range coder",
+             "zach4-range": "method 4, range coder", "quake-rle": "Quake RLE"}
 # Our codec and cell order for each of them: gzip and bzip2 read the cells as they stand, methods 0 to 2 do not mind.
 MEASURED = {("zach3-huffman", "greedy"): "zach3", ("zach4-huffman", "greedy"): "zach4", ("zach3-range", "greedy"): "zach3-range",
             ("zach4-range", "greedy"): "zach4-range", ("zach3-huffman", "neighbours"): "zach3-neighbours",
@@ -120,6 +120,14 @@ def table2(results):
     for label, column in (("greedy order, beside method 3", "order_bytes"), ("node index, beside method 3", "index_bytes")):
         table.loc[label] = [f"{of[column][(name, 'zach3')]:,}" if column in of else "-" for name, of in columns.values()]
     return table.rename_axis("bytes (ratio)").reset_index()
+
+
+def contents(results):
+    """What the bytes of each row of Table 2 hold: pairs of a row's name and words."""
+    holds = results.sizes["payload_contains"].groupby(level="codec").first()
+    return [*((label, holds[codec]) for codec, label in {**METHODS, **OURS_ONLY}.items() if codec in holds),
+            ("on lines of their own", "the order of the cells (log2 n! bits), the node index (a varint a part)"),
+            ("in no figure", "the tree, which the client has, and the geometry of the view cells")]
 
 
 def table2_levels(results):
@@ -350,7 +358,8 @@ def provenance():
 
 
 def text(results):
-    parts = ["Table 1: scenes", to_text(table1(results)), "", "Table 2: lossless compression", to_text(table2(results))]
+    parts = ["Table 1: scenes", to_text(table1(results)), "", "Table 2: lossless compression", to_text(table2(results)), "",
+             "What each size contains", *(f"{row:22}  {holds}" for row, holds in contents(results))]
     if results.levels:
         parts += ["", "Table 2 on real levels: ratio to the table's size (* the smallest; the paper has no such data)",
                   to_text(table2_levels(results))]
@@ -371,7 +380,7 @@ STYLE = """body{max-width:74rem;margin:2rem auto;padding:0 1.5rem;background:#ff
 h1,h2,table,figcaption,footer{font-family:system-ui,"DejaVu Sans",sans-serif}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2.2rem}
 p{max-width:46rem}.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.8rem;font-variant-numeric:tabular-nums}
 th{border-bottom:2px solid #444;text-align:right;vertical-align:bottom}td{border-bottom:1px solid #ddd;text-align:right;white-space:nowrap}
-th,td{padding:.28rem .55rem}th:first-child,td:first-child{text-align:left}td.published,th.published{background:#f2f2f2;font-style:italic}
+th,td{padding:.28rem .55rem}th:first-child,td:first-child{text-align:left}.words td{text-align:left}td.published,th.published{background:#f2f2f2;font-style:italic}
 tr.published td{background:#f2f2f2;font-style:italic}figure{margin:1rem 0}img{max-width:100%}footer{margin-top:2.5rem;font-size:.8rem;color:#444}"""
 
 
@@ -399,6 +408,8 @@ def page(results, charts):
 {to_html(table1(results))}
 <h2>Table 2: lossless compression, bytes (ratio)</h2>
 {to_html(table2(results))}
+<h2>What each size contains</h2>
+<table class="words">{"".join(f"<tr><td>{html.escape(row)}</td><td>{html.escape(holds)}</td></tr>" for row, holds in contents(results))}</table>
 {levels}<h2>Charts</h2>
 {figures}<footer>{"<br>".join(map(html.escape, provenance()))}</footer>
 </body></html>
