@@ -1,0 +1,388 @@
+// ALGORITHM AND PROOFS. Distances are |i \ j| + |j \ i|, the ones that either column has alone.
+//
+// Certificate. Cut the rows into groups, in any way; no column's ones in a group can differ from another's by more than
+// their distance there, so the sum of the differences of these counts is a lower bound, and it stays one where counts are
+// cut off at 255. It holds for blocks of columns as well, with the gap between the least and greatest counts of each.
+// Points are taken in blocks along a good order, so that a block's counts are much alike; the other blocks are met
+// nearest first, by that bound, until the bound is no less than the last distance of every list in the block: what is
+// left is no nearer. Or until the work is used up: then the next block's bound is the threshold of all. Within a block
+// that is met, a point is first held against the block's counts, then against each point's, then sketches, then exactly.
+// Groups follow the rows' first appearance along the order: rows of one region together, whatever their numbers.
+// Tried and lost: prefix filtering (rarest rows against an inverted index), exact too, but 10 s against 1 at
+// 25,000 columns and growing with the square.
+//
+// 2-nearest bound. A closed tour has two edges at each point and is half the sum of them; each two are at least the two
+// shortest that exist, and unlisted ones are at least the threshold long. Runs are half the length.
+//
+// Held-Karp, as in layout/held_karp.cpp, on a relaxed graph: an unlisted pair i, j costs at least max(t_i, t_j), hence at
+// least (t_i + t_j) / 2. With potentials its weight is at least h_i + h_j, where h = t / 2 + potential. Such weights
+// have a spanning tree that is a star: around the point of least h, since replacing any edge (i, j) of another tree by
+// (i, least) or (j, least), whichever joins its two halves again, costs no more. The least spanning tree of a union is
+// within the union of least spanning trees, so the listed edges and one star, n - 1 edges instead of n^2, give the exact
+// cheapest 1-tree of the relaxed graph; it is no dearer than that of the true one, hence than any tour.
+// Integers of a scale, so that rounding is exact.
+//
+// Not sound, though tempting: the spanning tree of the lists alone, without the star (a true tree may use unlisted edges
+// that potentials have made cheap); sums of bounds over blocks of columns.
+#include "layout/sparse_bound.h"
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "matrix/parallel.h"
+
+namespace vismat {
+namespace {
+
+constexpr std::uint32_t none = 0xffffffff;
+constexpr std::int64_t scale = 256;
+
+using Neighbour = std::pair<std::uint32_t, std::uint32_t>;  // (distance, point)
+
+constexpr std::size_t groups = 512;
+using Counts = std::array<std::uint8_t, groups>;
+
+// Between the counts of two blocks, or of two points where low and high are one.
+std::uint32_t gap(const Counts& low_a, const Counts& high_a, const Counts& low_b, const Counts& high_b) {
+#if defined(__SSE2__)
+  const auto load = [](const std::uint8_t* at) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
+  };
+  __m128i sum = _mm_setzero_si128();
+  for (std::size_t g = 0; g < groups; g += 16) {
+    const __m128i above = _mm_subs_epu8(load(&low_a[g]), load(&high_b[g]));
+    const __m128i below = _mm_subs_epu8(load(&low_b[g]), load(&high_a[g]));
+    sum = _mm_add_epi64(sum,
+                        _mm_sad_epu8(_mm_or_si128(above, below), _mm_setzero_si128()));  // one of them is 0
+  }
+  return static_cast<std::uint32_t>(_mm_cvtsi128_si32(sum) + _mm_cvtsi128_si32(_mm_srli_si128(sum, 8)));
+#else
+  std::uint32_t sum = 0;
+  for (std::size_t g = 0; g < groups; ++g) {
+    if (low_a[g] > high_b[g]) sum += low_a[g] - high_b[g];
+    if (low_b[g] > high_a[g]) sum += low_b[g] - high_a[g];
+  }
+  return sum;
+#endif
+}
+
+class Certifier {
+ public:
+  Certifier(const SparsePoints& points, const ColumnSketches& sketches, std::span<const std::uint32_t> visits,
+            const CertifyOptions& options, unsigned threads)
+      : points_(points),
+        sketches_(sketches),
+        visits_(visits),
+        options_(options),
+        counts_(visits.size()),
+        blocks_((visits.size() + options.block - 1) / options.block) {
+    std::vector<std::uint32_t> appearance(points.rows(), none);
+    std::uint32_t seen = 0;
+    for (const std::uint32_t p : visits) {
+      for (const std::uint32_t row : points.ones(p)) {
+        if (appearance[row] == none) appearance[row] = seen++;
+      }
+    }
+    parallel_for(blocks_.size(), threads, [&](std::uint64_t b) {
+      Block& block = blocks_[b];
+      block.low.fill(255);
+      block.high.fill(0);
+      for (std::size_t place = first(b); place < first(b + 1); ++place) {
+        Counts& counts = counts_[place];
+        counts.fill(0);
+        for (const std::uint32_t row : points.ones(visits[place])) {
+          std::uint8_t& count = counts[std::uint64_t{appearance[row]} * groups / seen];
+          if (count < 255) ++count;
+        }
+        for (std::size_t g = 0; g < groups; ++g) {
+          block.low[g] = std::min(block.low[g], counts[g]);
+          block.high[g] = std::max(block.high[g], counts[g]);
+        }
+      }
+    });
+  }
+  std::size_t block_count() const { return blocks_.size(); }
+
+  // Completes the lists of a block's points and sets their thresholds; touches nothing of other points.
+  void complete(std::size_t b, CertifiedNeighbours& result) const {
+    std::vector<Around> around;
+    for (std::size_t place = first(b); place < first(b + 1); ++place)
+      around.emplace_back(place, visits_[place], result);
+    const auto farthest = [&] {
+      std::uint32_t distance = 0;
+      for (const Around& a : around) distance = std::max(distance, a.limit());
+      return distance;
+    };
+    const std::uint32_t reach = farthest();
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> met;  // (gap, block)
+    for (std::uint32_t other = 0; other < blocks_.size(); ++other) {
+      const std::uint32_t apart =
+          gap(blocks_[b].low, blocks_[b].high, blocks_[other].low, blocks_[other].high);
+      if (apart < reach) met.emplace_back(apart, other);
+    }
+    std::sort(met.begin(), met.end());
+    std::uint64_t work = options_.work * around.size();
+    std::uint32_t certain = none;
+    for (const auto& [apart, other] : met) {
+      if (apart >= farthest()) break;
+      if (work < options_.block * around.size()) {
+        certain = apart;
+        break;
+      }
+      for (Around& a : around) {
+        const Counts& own = counts_[a.place];
+        if (apart >= a.limit() || gap(own, own, blocks_[other].low, blocks_[other].high) >= a.limit())
+          continue;
+        work -= first(other + 1) - first(other);
+        for (std::size_t place = first(other); place < first(other + 1); ++place) {
+          if (gap(own, own, counts_[place], counts_[place]) < a.limit()) look(a, visits_[place]);
+        }
+      }
+    }
+    for (const Around& a : around) a.put(std::min(certain, a.limit()), result);
+  }
+
+ private:
+  struct Block {
+    Counts low, high;
+  };
+  // A point with its list as it grows.
+  struct Around {
+    Around(std::size_t at, std::uint32_t number, const CertifiedNeighbours& result)
+        : place(at), point(number), most(result.lists.per_point) {
+      const std::size_t base = std::size_t{point} * most;
+      for (std::size_t i = base; i < base + most && result.lists.ids[i] != none; ++i)
+        list.emplace_back(result.lists.distances[i], result.lists.ids[i]);
+    }
+    std::uint32_t limit() const { return list.size() < most ? none : list.back().first; }
+    void put(std::uint32_t threshold, CertifiedNeighbours& result) const {
+      result.threshold[point] = threshold;
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        result.lists.distances[std::size_t{point} * most + i] = list[i].first;
+        result.lists.ids[std::size_t{point} * most + i] = list[i].second;
+      }
+    }
+    std::size_t place;
+    std::uint32_t point, most;
+    std::vector<Neighbour> list;
+  };
+
+  void look(Around& a, std::uint32_t q) const {
+    if (q == a.point || sketches_.lower_bound(a.point, q, a.limit()) >= a.limit()) return;
+    if (std::any_of(a.list.begin(), a.list.end(), [&](const Neighbour& n) { return n.second == q; })) return;
+    const Neighbour found(points_.distance(a.point, q), q);
+    if (found.first >= a.limit()) return;
+    a.list.insert(std::lower_bound(a.list.begin(), a.list.end(), found), found);
+    if (a.list.size() > a.most) a.list.pop_back();
+  }
+  std::size_t first(std::size_t block) const { return std::min(visits_.size(), block * options_.block); }
+
+  const SparsePoints& points_;
+  const ColumnSketches& sketches_;
+  std::span<const std::uint32_t> visits_;
+  CertifyOptions options_;
+  std::vector<Counts> counts_;  // of the point at a place in the order
+  std::vector<Block> blocks_;
+};
+
+// Union-find with path halving.
+class Components {
+ public:
+  explicit Components(std::uint32_t size) : root_(size) { std::iota(root_.begin(), root_.end(), 0u); }
+  bool join(std::uint32_t a, std::uint32_t b) {
+    a = find(a), b = find(b);
+    root_[a] = b;
+    return a != b;
+  }
+
+ private:
+  std::uint32_t find(std::uint32_t p) {
+    while (root_[p] != p) p = root_[p] = root_[root_[p]];
+    return p;
+  }
+  std::vector<std::uint32_t> root_;
+};
+
+class RelaxedOneTrees {
+ public:
+  RelaxedOneTrees(const SparsePoints& points, const CertifiedNeighbours& neighbours)
+      : points_(points), threshold_(neighbours.threshold) {
+    const NeighbourLists& lists = neighbours.lists;
+    for (std::uint32_t p = 0; p < points.size(); ++p) {
+      for (std::size_t i = std::size_t{p} * lists.per_point; i < (std::size_t{p} + 1) * lists.per_point;
+           ++i) {
+        const std::uint32_t q = lists.ids[i];
+        if (q != none) listed_.push_back({std::min(p, q), std::max(p, q), lists.distances[i]});
+      }
+    }
+    std::sort(listed_.begin(), listed_.end());
+    listed_.erase(std::unique(listed_.begin(), listed_.end()), listed_.end());
+  }
+
+  // The cheapest 1-tree's weight under the potentials, at the scale; fills in the degrees.
+  std::int64_t cheapest(const std::vector<std::int64_t>& potential, std::vector<std::int32_t>& degree) {
+    const std::uint32_t n = points_.size();
+    const auto half_edge = [&](std::uint32_t p) { return scale / 2 * threshold_[p] + potential[p]; };
+    std::uint32_t hub = 0;
+    for (std::uint32_t p = 1; p < n; ++p) {
+      if (half_edge(p) < half_edge(hub)) hub = p;
+    }
+    weighted_.clear();
+    for (std::uint32_t e = 0; e < listed_.size(); ++e) {
+      const Edge& edge = listed_[e];
+      weighted_.emplace_back(scale * edge.distance + potential[edge.a] + potential[edge.b], e);
+    }
+    for (std::uint32_t p = 0; p < n; ++p) {
+      if (p != hub) weighted_.emplace_back(half_edge(p) + half_edge(hub), listed_.size() + p);
+    }
+    std::sort(weighted_.begin(), weighted_.end());
+    degree.assign(n + 1, 0);
+    Components components(n);
+    std::int64_t weight = 0;
+    std::uint32_t left = n - 1;
+    for (std::size_t i = 0; left > 0; ++i) {
+      const auto [w, e] = weighted_[i];
+      const bool star = e >= listed_.size();
+      const std::uint32_t a = star ? static_cast<std::uint32_t>(e - listed_.size()) : listed_[e].a;
+      const std::uint32_t b = star ? hub : listed_[e].b;
+      if (!components.join(a, b)) continue;
+      weight += w;
+      ++degree[a];
+      ++degree[b];
+      --left;
+    }
+    std::pair<std::int64_t, std::uint32_t> first(std::numeric_limits<std::int64_t>::max(), 0), second = first;
+    for (std::uint32_t p = 0; p < n; ++p) {
+      const std::pair edge(scale * points_.weight(p) + potential[p] + potential[n], p);
+      if (edge < first)
+        second = std::exchange(first, edge);
+      else
+        second = std::min(second, edge);
+    }
+    ++degree[first.second];
+    ++degree[second.second];
+    degree[n] = 2;
+    return weight + first.first + second.first;
+  }
+
+ private:
+  struct Edge {
+    std::uint32_t a, b, distance;
+    auto operator<=>(const Edge&) const = default;
+  };
+  const SparsePoints& points_;
+  const std::vector<std::uint32_t>& threshold_;
+  std::vector<Edge> listed_;
+  std::vector<std::pair<std::int64_t, std::uint64_t>>
+      weighted_;  // (weight, listed edge or, after those, star's point)
+};
+
+// Begins the ascent: the 2-nearest bound's own potentials, which a hundred steps from zero do not find.
+std::int64_t second_nearest(std::uint32_t p, const CertifiedNeighbours& neighbours) {
+  const std::uint32_t per_point = neighbours.lists.per_point, threshold = neighbours.threshold[p];
+  if (per_point < 2) return per_point == 0 ? 0 : std::min(threshold, neighbours.lists.distances[p]);
+  return std::min(threshold, neighbours.lists.distances[std::size_t{p} * per_point + 1]);
+}
+
+}  // namespace
+
+CertifiedNeighbours certify_neighbours(const SparsePoints& points, const ColumnSketches& sketches,
+                                       const NeighbourLists& lists, std::span<const std::uint32_t> visits,
+                                       const CertifyOptions& options, unsigned threads) {
+  if (options.block == 0) throw std::invalid_argument("blocks hold at least 1 point");
+  CertifiedNeighbours result{lists, std::vector<std::uint32_t>(points.size(), 0)};
+  if (lists.per_point == 0) return result;
+  const Certifier certifier(points, sketches, visits, options, threads);
+  parallel_for(certifier.block_count(), threads, [&](std::uint64_t b) { certifier.complete(b, result); });
+  return result;
+}
+
+std::uint64_t two_nearest_bound(const SparsePoints& points, const CertifiedNeighbours& neighbours) {
+  const std::uint32_t n = points.size(), per_point = neighbours.lists.per_point;
+  if (n < 2) return n == 0 ? 0 : points.weight(0);
+  std::vector<std::uint32_t> first(n + 1, none), second(n + 1, none);
+  const auto offer = [&](std::uint32_t p, std::uint32_t distance) {
+    if (distance < first[p])
+      second[p] = std::exchange(first[p], distance);
+    else
+      second[p] = std::min(second[p], distance);
+  };
+  for (std::uint32_t p = 0; p < n; ++p) {
+    for (int twice = 0; twice < 2; ++twice) offer(p, neighbours.threshold[p]);
+    offer(p, points.weight(p));
+    offer(n, points.weight(p));
+    // From both sides an edge may be offered twice; that only lowers the bound.
+    for (std::size_t i = std::size_t{p} * per_point; i < (std::size_t{p} + 1) * per_point; ++i) {
+      if (neighbours.lists.ids[i] != none) offer(p, neighbours.lists.distances[i]);
+    }
+  }
+  // What q lists and p does not is missed above: p's own list is full of nearer ones, or the edge is below p's threshold.
+  for (std::uint32_t p = 0; p < n; ++p) {
+    for (std::size_t i = std::size_t{p} * per_point; i < (std::size_t{p} + 1) * per_point; ++i) {
+      const std::uint32_t q = neighbours.lists.ids[i];
+      if (q == none) continue;
+      const auto begin =
+          neighbours.lists.ids.begin() + static_cast<std::ptrdiff_t>(std::size_t{q} * per_point);
+      if (std::find(begin, begin + per_point, p) == begin + per_point)
+        offer(q, neighbours.lists.distances[i]);
+    }
+  }
+  std::uint64_t sum = 0;
+  for (std::uint32_t p = 0; p <= n; ++p) sum += std::uint64_t{first[p]} + second[p];
+  return (sum + 3) / 4;
+}
+
+SparseBound sparse_held_karp_bound(const SparsePoints& points, const CertifiedNeighbours& neighbours,
+                                   const SparseBoundOptions& options) {
+  const std::uint32_t n = points.size();
+  if (n < 2) return {n == 0 ? 0 : points.weight(0), {}};
+  RelaxedOneTrees trees(points, neighbours);
+  std::vector<std::int64_t> potential(n + 1, 0);
+  for (std::uint32_t p = 0; p < n; ++p) potential[p] = -scale / 2 * second_nearest(p, neighbours);
+  std::vector<std::int64_t> best_potential = potential;
+  std::vector<std::int32_t> degree, before(n + 1, 2);
+  SparseBound bound;
+  double agility = 1, best_length = 0;
+  std::uint32_t since_gain = 0;
+  for (std::uint32_t step = 0; step < options.steps; ++step) {
+    const std::int64_t length = trees.cheapest(potential, degree) -
+                                2 * std::accumulate(potential.begin(), potential.end(), std::int64_t{0});
+    const std::int64_t runs = length <= 0 ? 0 : (length + 2 * scale - 1) / (2 * scale);
+    bound.runs = std::max(bound.runs, static_cast<std::uint64_t>(runs));
+    bound.history.push_back(bound.runs);
+    if (static_cast<double>(length) > best_length) {
+      best_length = static_cast<double>(length);
+      best_potential = potential;
+      since_gain = 0;
+    } else if (++since_gain >= 5) {
+      agility *= .7;
+      since_gain = 0;
+      potential = best_potential;
+    }
+    double norm = 0;
+    for (const std::int32_t d : degree) norm += static_cast<double>(d - 2) * (d - 2);
+    if (norm == 0) break;  // the 1-tree is a tour of the relaxed graph: nothing is shorter there
+    const double target = options.known_runs > 0
+                              ? 2. * static_cast<double>(scale) * static_cast<double>(options.known_runs)
+                              : 1.05 * best_length;
+    const double stride = agility * std::max(target - static_cast<double>(length), 1e-4 * best_length) / norm;
+    for (std::uint32_t p = 0; p <= n; ++p) {
+      const double change = stride * (.7 * (degree[p] - 2) + .3 * (before[p] - 2));
+      const double moved = std::clamp(static_cast<double>(potential[p]) + change, -1e15, 1e15);
+      potential[p] = static_cast<std::int64_t>(std::nearbyint(moved));
+    }
+    before = degree;
+  }
+  return bound;
+}
+
+}  // namespace vismat
