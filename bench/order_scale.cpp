@@ -1,0 +1,199 @@
+// What orders at the papers' scale cost: runs, bounds, seconds and peak memory of synthetic scenes of growing size.
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <numeric>
+#include <span>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "layout/sampled_tour.h"
+#include "layout/sparse_bound.h"
+#include "layout/sparse_tour.h"
+#include "matrix/atomic_file.h"
+#include "matrix/generate.h"
+#include "matrix/random.h"
+
+namespace {
+
+using namespace vismat;
+
+struct Options {
+  std::string scene = "power-plant";
+  bool harder = false;
+  std::vector<double> scales = {1. / 64, 1. / 16};
+  std::vector<std::string> methods = {"sampled-tour", "scalable"};
+  std::uint32_t steps = 100;
+  unsigned threads = 0;
+  std::uint64_t seed = 1;
+  std::string csv;
+};
+
+// What a child reports; all plain numbers, as it comes through a pipe.
+struct Measured {
+  std::uint32_t rows, columns;
+  std::uint64_t ones, runs, two_nearest, held_karp;
+  double order_seconds, two_nearest_seconds, held_karp_seconds;
+};
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::vector<std::uint32_t> shuffled(std::uint32_t count, Random random) {
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  for (std::uint32_t i = count; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
+  return order;
+}
+
+DeltaSceneOptions scene_of(const Options& options, double scale) {
+  DeltaSceneOptions scene =
+      options.scene == "city" ? city_scene(scale, options.harder) : power_plant_scene(scale, options.harder);
+  scene.seed = options.seed;
+  return scene;
+}
+
+Measured measure(const Options& options, double scale, const std::string& method) {
+  const VisibilityMatrix matrix = generate_delta_scene(scene_of(options, scale), options.threads);
+  Measured m{matrix.shape().rows, matrix.shape().columns, matrix.ones(), 0, 0, 0, 0, 0, 0};
+  const double start = now();
+  if (method == "scalable") {
+    const SparsePoints points(matrix);
+    const ColumnSketches sketches(points, 0, options.threads);
+    const auto lists = nearby_points(points, sketches, {.seed = options.seed}, options.threads);
+    const auto visits = visits_at_scale(points, sketches, lists, options.seed, options.threads);
+    m.order_seconds = now() - start;
+    m.runs = runs_of_visits(points, visits, options.threads);
+    const double certifying = now();
+    const auto certified = certify_neighbours(points, sketches, lists, visits, {}, options.threads);
+    m.two_nearest = two_nearest_bound(points, certified);
+    m.two_nearest_seconds = now() - certifying;
+    m.held_karp = sparse_held_karp_bound(points, certified, {options.steps, m.runs}).runs;
+    m.held_karp_seconds = now() - certifying;
+    return m;
+  }
+  std::vector<std::uint32_t> order;
+  if (method == "sampled-tour") {
+    const auto neighbours = static_cast<std::uint32_t>(std::max(8., std::round(700 * scale)));
+    const std::uint32_t samples = neighbours * (options.scene == "city" ? 32 : 16);  // as the paper reports
+    const SampledTourOptions sampling{.neighbours = neighbours, .samples = samples, .seed = options.seed};
+    order = order_by_sampled_tour(matrix, sampling, options.threads).old_of_new();
+  } else {
+    order = shuffled(m.columns, Random(options.seed, 1));
+  }
+  m.order_seconds = now() - start;
+  m.runs = runs_of_visits(SparsePoints(matrix, false), order, options.threads);
+  return m;
+}
+
+// In a child, so that each peak is of one method alone. Returns the peak in bytes.
+std::uint64_t measure_apart(const std::function<Measured()>& work, Measured& result) {
+  int pipe_ends[2];
+  if (pipe(pipe_ends) != 0) throw std::runtime_error("no pipe to be had");
+  std::cout.flush();
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("no process to be had");
+  if (child == 0) {
+    close(pipe_ends[0]);
+    const Measured m = work();
+    const bool written = write(pipe_ends[1], &m, sizeof m) == sizeof m;
+    _exit(written ? 0 : 1);
+  }
+  close(pipe_ends[1]);
+  const bool whole = read(pipe_ends[0], &result, sizeof result) == sizeof result;
+  close(pipe_ends[0]);
+  int status = 0;
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
+  if (!whole || status != 0) throw std::runtime_error("a measurement ended early: out of memory?");
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+// Growth of a cost from one size to the next, as an exponent of the ones.
+double exponent(double cost, double cost_before, double ones, double ones_before) {
+  return std::log(cost / cost_before) / std::log(ones / ones_before);
+}
+
+void run(const Options& options) {
+  std::string csv =
+      "scene,harder,scale,rows,columns,ones,method,runs,runs_per_random,two_nearest,held_karp,order_seconds,"
+      "two_nearest_seconds,held_karp_seconds,peak_bytes,threads,seed\n";
+  std::printf("%-12s %8s %8s %10s %11s %8s %8s %8s %8s %8s %8s %8s %7s %7s\n", "method", "scale", "columns",
+              "ones", "runs", "/random", "/2-near", "/HK", "order s", "2-near s", "HK s", "peak GB", "s ~",
+              "GB ~");
+  struct Before {
+    double ones = 0, seconds = 0, peak = 0;
+  };
+  std::map<std::string, Before> before;
+  for (const double scale : options.scales) {
+    double random_runs = 0;
+    for (const std::string method : {"random", "sampled-tour", "scalable"}) {
+      if (method != "random" && std::count(options.methods.begin(), options.methods.end(), method) == 0)
+        continue;
+      Measured m{};
+      const auto peak =
+          static_cast<double>(measure_apart([&] { return measure(options, scale, method); }, m));
+      const auto runs = static_cast<double>(m.runs), ones = static_cast<double>(m.ones);
+      if (method == "random") random_runs = runs;
+      const auto per = [&](std::uint64_t bound) {
+        return bound == 0 ? 0 : runs / static_cast<double>(bound);
+      };
+      std::printf("%-12s %8.5f %8u %10.0f %11.0f %8.4f %8.4f %8.4f %8.2f %8.2f %8.2f %8.2f", method.c_str(),
+                  scale, m.columns, ones, runs, runs / random_runs, per(m.two_nearest), per(m.held_karp),
+                  m.order_seconds, m.two_nearest_seconds, m.held_karp_seconds, peak / 1e9);
+      Before& last = before[method];
+      if (last.ones > 0) {
+        std::printf(" %7.2f %7.2f", exponent(m.order_seconds, last.seconds, ones, last.ones),
+                    exponent(peak, last.peak, ones, last.ones));
+      }
+      std::printf("\n");
+      std::fflush(stdout);
+      last = {ones, m.order_seconds, peak};
+      std::ostringstream line;
+      line << options.scene << ',' << options.harder << ',' << scale << ',' << m.rows << ',' << m.columns
+           << ',' << m.ones << ',' << method << ',' << m.runs << ',' << runs / random_runs << ','
+           << m.two_nearest << ',' << m.held_karp << ',' << m.order_seconds << ',' << m.two_nearest_seconds
+           << ',' << m.held_karp_seconds << ',' << static_cast<std::uint64_t>(peak) << ',' << options.threads
+           << ',' << options.seed << '\n';
+      csv += line.str();
+    }
+  }
+  if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Orders of columns at the papers' scale: cost against size, each method in a process of its own");
+  Options options;
+  app.add_option("--scene", options.scene)->check(CLI::IsMember({"power-plant", "city"}));
+  app.add_flag("--harder", options.harder, "the less redundant variant");
+  app.add_option("--scale", options.scales, "shares of the paper's size, growing")
+      ->check(CLI::Range(1e-4, 1.));
+  app.add_option("--method", options.methods, "beside the random order")
+      ->check(CLI::IsMember({"sampled-tour", "scalable"}));
+  app.add_option("--steps", options.steps, "of the Held-Karp ascent");
+  app.add_option("--threads", options.threads, "0: one a core");
+  app.add_option("--seed", options.seed);
+  app.add_option("--csv", options.csv, "written beside the table");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::cerr << "order_scale: " << error.what() << '\n';
+    return 1;
+  }
+}
