@@ -193,6 +193,14 @@ def runs_against_published(results):
                          "bytes / published bytes": ours["bytes"] / theirs["bytes"]}).loc[results.artificial]
 
 
+def arithmetic_coding(results):
+    """Method 3 in greedy order: bytes with Huffman codes, the entropy of the one histogram of all lengths (which the paper
+    calculated), bytes with the range coder, and what that saves over Huffman codes."""
+    huffman, coded = (results.sizes.xs(codec, level="codec") for codec in ("zach3", "zach3-range"))
+    return pd.DataFrame({"Huffman codes": huffman["bytes"], "entropy": huffman["entropy_bytes"], "range coder": coded["bytes"],
+                         "range coder saves, %": 100 * (1 - coded["bytes"] / huffman["bytes"])})
+
+
 def cost_of_repeats(results):
     """What leaving out repeated columns saves bzip2: the part of the columns, and the part of its bytes."""
     whole = results.sizes["bytes"].xs("bzip2", level="codec")
