@@ -9,7 +9,7 @@ install_packages() {
   local wanted installed missing log as_root=()
   wanted=$(sed 's/#.*//' packages.txt | xargs -n1 | sort -u)
   # shellcheck disable=SC2086  # one word a package
-  installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' $wanted 2>/dev/null | sed -n 's/^installed //p' | sort -u)
+  installed=$({ dpkg-query -W -f='${db:Status-Status} ${Package}\n' $wanted 2>/dev/null || true; } | sed -n 's/^installed //p' | sort -u)
   missing=$(comm -23 <(echo "$wanted") <(echo "$installed") | xargs)
   [ -n "$missing" ] || return 0
   if [ "$(id -u)" -ne 0 ]; then
