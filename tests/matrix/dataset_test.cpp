@@ -71,7 +71,8 @@ TEST(Dataset, ReorderedMovesAllThatGoesByRowsAndColumns) {
   Dataset again = reordered(after, rows.inverse(), columns.inverse());
   EXPECT_TRUE(again.row_order->is_identity());
   EXPECT_TRUE(again.column_order->is_identity());
-  again.row_order = again.column_order = std::nullopt;
+  again.row_order.reset();
+  again.column_order.reset();
   EXPECT_EQ(again, before);
 }
 
