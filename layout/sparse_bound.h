@@ -18,8 +18,8 @@ struct CertifiedNeighbours {
 };
 
 struct CertifyOptions {
-  std::uint32_t block = 32;    // points that are ruled out together
-  std::uint64_t work = 20000;  // pairs looked at one by one for each point, on average over its block
+  std::uint32_t block = 16;    // points that are ruled out together
+  std::uint64_t work = 10000;  // pairs looked at one by one for each point, on average over its block
 };
 
 /// Completes lists (of nearby_points, or of any true distances) by an exact search around each point, no further than
