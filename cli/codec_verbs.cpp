@@ -118,6 +118,11 @@ void add_decode(CLI::App& app) {
       read_facts(container.facts, data);
       data.matrix = decompress(container, find_codec(container.codec));
       data.tree = container.tree;
+      if (const std::uint32_t columns = container.shape.columns;
+          data.tree ? (data.columns_are_nodes ? data.tree->size() : data.tree->object_count()) != columns
+                    : data.columns_are_nodes) {
+        throw FormatError("tree section: does not fit the " + std::to_string(columns) + " columns");
+      }
       write_dataset(options->out, data);
       std::printf("%s: %u x %u, %llu ones\n", options->out.c_str(), data.matrix.shape().rows,
                   data.matrix.shape().columns, static_cast<unsigned long long>(data.matrix.ones()));

@@ -154,7 +154,7 @@ Container compress(const VisibilityMatrix& matrix, const Codec& codec, const Obj
   container.shape = matrix.shape();
   container.ones = matrix.ones();
   container.codec = codec.name;
-  if (codec.over_tree && tree != nullptr) container.tree = *tree;
+  if (tree != nullptr) container.tree = *tree;
   if (row_order != nullptr) {
     container.row_order = *row_order;
     container.encoded =

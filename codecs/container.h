@@ -17,7 +17,7 @@ struct Container {
   std::uint64_t ones = 0;
   std::string codec;
   Encoded encoded;
-  std::optional<ObjectTree> tree;        // whose nodes are the columns; codecs over a tree need it
+  std::optional<ObjectTree> tree;        // over the columns; to codecs over a tree the columns are its nodes
   std::optional<Permutation> row_order;  // the payload's rows stand in this order: row r at new_of_old()[r]
   std::string facts;                     // what the source file said of the matrix, one `key: value` a line
   bool operator==(const Container&) const = default;

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -117,6 +118,59 @@ TEST(Program, RefusesInOneLine) {
     EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << command << "\n" << run.error;
     EXPECT_EQ(folder.entries(), 1u) << command << " left a file";
   }
+}
+
+// A matrix of clusters that see their neighbours, over a tree: what `tree` needs to begin with.
+Dataset ring_of_clusters(std::uint32_t count) {
+  Dataset dataset;
+  std::vector<std::vector<std::uint32_t>> rows(count);
+  for (std::uint32_t r = 0; r < count; ++r) {
+    const auto at = static_cast<float>(r * 7 % count);
+    dataset.row_bounds.push_back({{at, 0, 0}, {at + 1, 1, 1}});
+    for (std::uint32_t c = 0; c < count; ++c) {
+      const std::uint32_t apart = (c * 7 % count + count - r * 7 % count) % count;
+      if (apart < 9 || apart > count - 9) rows[r].push_back(c);
+    }
+  }
+  dataset.column_bounds = dataset.row_bounds;
+  dataset.matrix = VisibilityMatrix::from_rows(rows, count);
+  dataset.guarantee = Guarantee::exact;
+  return dataset;
+}
+
+TEST(Program, CompressesReadsANodeAndRestores) {
+  const TemporaryFolder folder;
+  write_dataset(folder / "in.bsp.h5", ring_of_clusters(60));
+  ASSERT_EQ(vismat_program({"tree", folder / "in.bsp.h5", "--nodes", "-o", folder / "nodes.bsp.h5"}).code(),
+            0);
+  const Dataset nodes = read_dataset(folder / "nodes.bsp.h5");
+  for (const std::string codec : {"bitmap", "gzip", "zach0", "zach3-huffman", "zach4-range"}) {
+    const Finished encoded =
+        vismat_program({"encode", folder / "nodes.bsp.h5", "--codec", codec, "-o", folder / "x.vmat"});
+    ASSERT_EQ(encoded.code(), 0) << encoded.error;
+    ASSERT_EQ(vismat_program({"decode", folder / "x.vmat", "-o", folder / "back.bsp.h5"}).code(), 0);
+    const Dataset back = read_dataset(folder / "back.bsp.h5");
+    EXPECT_EQ(back.matrix, nodes.matrix) << codec;
+    EXPECT_EQ(back.guarantee, Guarantee::exact) << codec;
+    const Finished node = vismat_program({"node", folder / "x.vmat", "0"});
+    EXPECT_EQ(node.code() == 0, codec.starts_with("zach")) << codec << node.error;
+  }
+}
+
+TEST(Program, OrdersAndTellsHowFarFromTheBound) {
+  const TemporaryFolder folder;
+  const Dataset before = ring_of_clusters(60);
+  write_dataset(folder / "in.bsp.h5", before);
+  const Finished run = vismat_program({"order", folder / "in.bsp.h5", "--columns", "best", "--rows", "greedy",
+                                       "--json", folder / "o.json", "-o", folder / "out.bsp.h5"});
+  ASSERT_EQ(run.code(), 0) << run.error;
+  const auto json = nlohmann::json::parse(contents(folder / "o.json"));
+  EXPECT_LE(json["bound"].get<std::uint64_t>(), json["runs_after"].get<std::uint64_t>());
+  EXPECT_LT(json["runs_after"].get<std::uint64_t>(), json["runs_before"].get<std::uint64_t>());
+  EXPECT_GT(json["peak_bytes"].get<std::uint64_t>(), 0u);
+  const Dataset after = read_dataset(folder / "out.bsp.h5");
+  ASSERT_TRUE(after.row_order && after.column_order);
+  EXPECT_EQ(permute(before.matrix, *after.row_order, *after.column_order), after.matrix);
 }
 
 // Ctrl-C falls at ever later moments, until the program is through before it: whatever it was doing then, what
