@@ -1,4 +1,5 @@
-// What orders at the papers' scale cost: runs, bounds, seconds and peak memory of synthetic scenes of growing size.
+// What orders at the papers' scale cost: runs, bounds, seconds and peak memory of synthetic scenes of growing
+// size.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -52,7 +53,8 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Of all threads; what the order would take on a machine to itself lies between this and this over its threads.
+// Of all threads; what the order would take on a machine to itself lies between this and this over its
+// threads.
 double cpu() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }

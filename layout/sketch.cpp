@@ -1,14 +1,14 @@
-// ALGORITHM. Sketch: bit hash(row) of a column's sketch is the parity of its ones with that hash. Folding a difference
-// can only cancel ones of it, hence the lower bound.
+// ALGORITHM. Sketch: bit hash(row) of a column's sketch is the parity of its ones with that hash. Folding a
+// difference can only cancel ones of it, hence the lower bound.
 //
-// Candidates: one-permutation min-hash [Li, Owen, Zhang 2012]. A single hash of each one falls into one of 3 * tables
-// bins, each keeping its least; three bins make a table's key, an empty bin borrows from the next one that is not
-// [Shrivastava & Li 2014]. Columns sorted by key stand near those they share many ones with, whatever their number;
-// a window around each is a candidate list. Then a round of NN-descent [Dong, Moses, Li 2011]: neighbours of
-// neighbours, read from the finished lists of the round before, so that threads cannot change the result. Up to there
-// the sketches stand for distances; in the end a third more than asked for are measured exactly. Power plant
-// at 1/16 (25,000 columns): at least 89 % of the ten nearest are found, in 0.75 s; a tour along the exact lists is 0.3 %
-// shorter.
+// Candidates: one-permutation min-hash [Li, Owen, Zhang 2012]. A single hash of each one falls into one of 3
+// * tables bins, each keeping its least; three bins make a table's key, an empty bin borrows from the next
+// one that is not [Shrivastava & Li 2014]. Columns sorted by key stand near those they share many ones with,
+// whatever their number; a window around each is a candidate list. Then a round of NN-descent [Dong, Moses,
+// Li 2011]: neighbours of neighbours, read from the finished lists of the round before, so that threads
+// cannot change the result. Up to there the sketches stand for distances; in the end a third more than asked
+// for are measured exactly. Power plant at 1/16 (25,000 columns): at least 89 % of the ten nearest are found,
+// in 0.75 s; a tour along the exact lists is 0.3 % shorter.
 #include "layout/sketch.h"
 
 #include <algorithm>
@@ -51,7 +51,8 @@ std::uint32_t width(const SparsePoints& points, std::uint32_t bits) {
 
 using Candidate = std::pair<std::uint32_t, std::uint32_t>;  // (distance or its bound, point)
 
-// The nearest few, without repeats, kept sorted: insertion is cheap because most candidates fail the first test.
+// The nearest few, without repeats, kept sorted: insertion is cheap because most candidates fail the first
+// test.
 class Nearest {
  public:
   explicit Nearest(std::uint32_t most) : most_(most) { best_.reserve(most + 1); }

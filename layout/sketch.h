@@ -10,8 +10,9 @@
 
 namespace vismat {
 
-/// Rows folded onto `bits` bits by exclusive or, the same way for all points. Folding never increases a Hamming
-/// distance, so lower_bound() is one. The zero point has a sketch like any other. Memory: bits / 8 bytes a point.
+/// Rows folded onto `bits` bits by exclusive or, the same way for all points. Folding never increases a
+/// Hamming distance, so lower_bound() is one. The zero point has a sketch like any other. Memory: bits / 8
+/// bytes a point.
 class ColumnSketches {
  public:
   /// `bits` is a power of two, at least 64; 0: the next one above four times the mean weight, in [512, 8192].
@@ -36,15 +37,16 @@ struct NearbyOptions {
   std::uint64_t seed = 1;
 };
 
-/// Near points of each: candidates by min-hash, the best of them by sketch, then neighbours of neighbours; of those,
-/// exact distances. per_point is less than `neighbours` only where there are fewer other points; a list that found
-/// fewer ends in distance 0xffffffff. Same seed, same lists, for any thread count. Recall is measured in the source;
-/// it breaks where near columns share few ones (small or nearly random columns): use exact_neighbours there.
+/// Near points of each: candidates by min-hash, the best of them by sketch, then neighbours of neighbours; of
+/// those, exact distances. per_point is less than `neighbours` only where there are fewer other points; a
+/// list that found fewer ends in distance 0xffffffff. Same seed, same lists, for any thread count. Recall is
+/// measured in the source; it breaks where near columns share few ones (small or nearly random columns): use
+/// exact_neighbours there.
 NeighbourLists nearby_points(const SparsePoints& points, const ColumnSketches& sketches,
                              const NearbyOptions& options = {}, unsigned threads = 0);
 
-/// Sorts points by a min-hash signature, `tables` times, so that columns with many ones in common often stand near
-/// each other: each table is an order of all of `members`. Deterministic.
+/// Sorts points by a min-hash signature, `tables` times, so that columns with many ones in common often stand
+/// near each other: each table is an order of all of `members`. Deterministic.
 std::vector<std::vector<std::uint32_t>> min_hash_orders(const SparsePoints& points,
                                                         std::span<const std::uint32_t> members,
                                                         std::uint32_t tables, std::uint64_t seed,

@@ -1,29 +1,31 @@
 // ALGORITHM AND PROOFS. Distances are |i \ j| + |j \ i|, the ones that either column has alone.
 //
-// Certificate. Cut the rows into groups, in any way; no column's ones in a group can differ from another's by more than
-// their distance there, so the sum of the differences of these counts is a lower bound, and it stays one where counts are
-// cut off at 255. It holds for blocks of columns as well, with the gap between the least and greatest counts of each.
-// Points are taken in blocks along a good order, so that a block's counts are much alike; the other blocks are met
-// nearest first, by that bound, until the bound is no less than the last distance of every list in the block: what is
-// left is no nearer. Or until the work is used up: then the next block's bound is the threshold of all. Within a block
-// that is met, a point is first held against the block's counts, then against each point's, then sketches, then exactly.
-// Groups follow the rows' first appearance along the order: rows of one region together, whatever their numbers.
-// Tried and lost: prefix filtering (rarest rows against an inverted index), exact too, but 10 s against 1 at
-// 25,000 columns and growing with the square.
+// Certificate. Cut the rows into groups, in any way; no column's ones in a group can differ from another's by
+// more than their distance there, so the sum of the differences of these counts is a lower bound, and it
+// stays one where counts are cut off at 255. It holds for blocks of columns as well, with the gap between the
+// least and greatest counts of each. Points are taken in blocks along a good order, so that a block's counts
+// are much alike; the other blocks are met nearest first, by that bound, until the bound is no less than the
+// last distance of every list in the block: what is left is no nearer. Or until the work is used up: then the
+// next block's bound is the threshold of all. Within a block that is met, a point is first held against the
+// block's counts, then against each point's, then sketches, then exactly. Groups follow the rows' first
+// appearance along the order: rows of one region together, whatever their numbers. Tried and lost: prefix
+// filtering (rarest rows against an inverted index), exact too, but 10 s against 1 at 25,000 columns and
+// growing with the square.
 //
-// 2-nearest bound. A closed tour has two edges at each point and is half the sum of them; each two are at least the two
-// shortest that exist, and unlisted ones are at least the threshold long. Runs are half the length.
+// 2-nearest bound. A closed tour has two edges at each point and is half the sum of them; each two are at
+// least the two shortest that exist, and unlisted ones are at least the threshold long. Runs are half the
+// length.
 //
-// Held-Karp, as in layout/held_karp.cpp, on a relaxed graph: an unlisted pair i, j costs at least max(t_i, t_j), hence at
-// least (t_i + t_j) / 2. With potentials its weight is at least h_i + h_j, where h = t / 2 + potential. Such weights
-// have a spanning tree that is a star: around the point of least h, since replacing any edge (i, j) of another tree by
-// (i, least) or (j, least), whichever joins its two halves again, costs no more. The least spanning tree of a union is
-// within the union of least spanning trees, so the listed edges and one star, n - 1 edges instead of n^2, give the exact
-// cheapest 1-tree of the relaxed graph; it is no dearer than that of the true one, hence than any tour.
-// Integers of a scale, so that rounding is exact.
+// Held-Karp, as in layout/held_karp.cpp, on a relaxed graph: an unlisted pair i, j costs at least max(t_i,
+// t_j), hence at least (t_i + t_j) / 2. With potentials its weight is at least h_i + h_j, where h = t / 2 +
+// potential. Such weights have a spanning tree that is a star: around the point of least h, since replacing
+// any edge (i, j) of another tree by (i, least) or (j, least), whichever joins its two halves again, costs no
+// more. The least spanning tree of a union is within the union of least spanning trees, so the listed edges
+// and one star, n - 1 edges instead of n^2, give the exact cheapest 1-tree of the relaxed graph; it is no
+// dearer than that of the true one, hence than any tour. Integers of a scale, so that rounding is exact.
 //
-// Not sound, though tempting: the spanning tree of the lists alone, without the star (a true tree may use unlisted edges
-// that potentials have made cheap); sums of bounds over blocks of columns.
+// Not sound, though tempting: the spanning tree of the lists alone, without the star (a true tree may use
+// unlisted edges that potentials have made cheap); sums of bounds over blocks of columns.
 #include "layout/sparse_bound.h"
 
 #if defined(__SSE2__)
@@ -51,8 +53,8 @@ using Neighbour = std::pair<std::uint32_t, std::uint32_t>;  // (distance, point)
 constexpr std::size_t groups = 512;
 struct alignas(64) Counts : std::array<std::uint8_t, groups> {};
 
-// Between the counts of two blocks, or of two points where low and high are one; some number not below `limit` as soon
-// as it is known not to be.
+// Between the counts of two blocks, or of two points where low and high are one; some number not below
+// `limit` as soon as it is known not to be.
 std::uint32_t gap(const Counts& low_a, const Counts& high_a, const Counts& low_b, const Counts& high_b,
                   std::uint32_t limit) {
   std::uint32_t sum = 0;
@@ -330,7 +332,8 @@ std::uint64_t two_nearest_bound(const SparsePoints& points, const CertifiedNeigh
       if (neighbours.lists.ids[i] != none) offer(p, neighbours.lists.distances[i]);
     }
   }
-  // What q lists and p does not is missed above: p's own list is full of nearer ones, or the edge is below p's threshold.
+  // What q lists and p does not is missed above: p's own list is full of nearer ones, or the edge is below
+  // p's threshold.
   for (std::uint32_t p = 0; p < n; ++p) {
     for (std::size_t i = std::size_t{p} * per_point; i < (std::size_t{p} + 1) * per_point; ++i) {
       const std::uint32_t q = neighbours.lists.ids[i];

@@ -1,5 +1,5 @@
-// ALGORITHM. Columns are sorted by a 64-bit hash of their ids; columns with equal hashes are compared with the first
-// of each kind among them, so a clash of hashes costs time and never merges what differs.
+// ALGORITHM. Columns are sorted by a 64-bit hash of their ids; columns with equal hashes are compared with
+// the first of each kind among them, so a clash of hashes costs time and never merges what differs.
 #include "layout/sparse_points.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// The distinct columns of a matrix as sparse points of a Hamming space: for matrices too large for ColumnPoints.
+// The distinct columns of a matrix as sparse points of a Hamming space: for matrices too large for
+// ColumnPoints.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,10 +10,9 @@
 
 namespace vismat {
 
-/// Equal columns are one point, and columns without a one are none: an order loses nothing by keeping them together.
-/// Unless told not to collapse them: then point c is column c.
-/// Point size() is the all-zero vector, as in ColumnPoints. Memory: the matrix once more, transposed, and 12 bytes a
-/// column. O(ones) to make.
+/// Equal columns are one point, and columns without a one are none: an order loses nothing by keeping them
+/// together. Unless told not to collapse them: then point c is column c. Point size() is the all-zero vector,
+/// as in ColumnPoints. Memory: the matrix once more, transposed, and 12 bytes a column. O(ones) to make.
 class SparsePoints {
  public:
   explicit SparsePoints(const VisibilityMatrix& matrix, bool collapse = true);

@@ -1,10 +1,11 @@
 // ALGORITHM. 2-opt [Croes 1958] and Or-opt [Or 1976: ways of up to 3 points move, either way around] as in
 // layout/tour.cpp, over an array with a queue of points whose edges changed. What is different at this size:
-// - an exact distance costs microseconds, so a move is first tried on the sketches: they bound the new edge from
-//   below, hence the gain from above, and what cannot gain is given up before anything exact is computed;
+// - an exact distance costs microseconds, so a move is first tried on the sketches: they bound the new edge
+//   from below, hence the gain from above, and what cannot gain is given up before anything exact is
+//   computed;
 // - distances are kept in a direct-mapped table, as most are of tour edges asked for again and again;
-// - flips are of the shorter side and refused above a limit [Johnson & McGeoch 1997 use 50000 for 10^6 points]: the
-//   tours come from greedy edges and have few long improvements left.
+// - flips are of the shorter side and refused above a limit [Johnson & McGeoch 1997 use 50000 for 10^6
+//   points]: the tours come from greedy edges and have few long improvements left.
 #include "layout/sparse_search.h"
 
 #include <algorithm>

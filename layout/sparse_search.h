@@ -15,9 +15,9 @@ struct LocalMoves {
   std::uint32_t longest_flip = 25000;
 };
 
-/// Improves a closed tour of all points, the zero point among them, until no move over the lists' edges shortens
-/// it. `lists` holds points.size() points' neighbours, nearest first; a distance of 0xffffffff ends a list. Never
-/// lengthens. Deterministic; one thread.
+/// Improves a closed tour of all points, the zero point among them, until no move over the lists' edges
+/// shortens it. `lists` holds points.size() points' neighbours, nearest first; a distance of 0xffffffff ends
+/// a list. Never lengthens. Deterministic; one thread.
 std::vector<std::uint32_t> improve_tour(const SparsePoints& points, const ColumnSketches& sketches,
                                         const NeighbourLists& lists, std::vector<std::uint32_t> tour,
                                         const LocalMoves& moves = {});

@@ -1,7 +1,8 @@
-// ALGORITHM. Greedy edges [Bentley 1992] over the lists leave fragments: what is near their ends lies inside other
-// fragments. So the ends alone are sorted by min-hash, with another seed each round; neighbours within a window become
-// candidate edges, shortest sketch distance first, and the number of ends falls by some factor a round (an end's window
-// always holds one of another fragment). The last few thousand ends are matched by all pairs of sketches.
+// ALGORITHM. Greedy edges [Bentley 1992] over the lists leave fragments: what is near their ends lies inside
+// other fragments. So the ends alone are sorted by min-hash, with another seed each round; neighbours within
+// a window become candidate edges, shortest sketch distance first, and the number of ends falls by some
+// factor a round (an end's window always holds one of another fragment). The last few thousand ends are
+// matched by all pairs of sketches.
 #include "layout/sparse_tour.h"
 
 #include <algorithm>

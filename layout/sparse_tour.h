@@ -15,8 +15,8 @@ struct ScaleOptions {
   std::uint32_t sketch_bits = 0;  // 0: by the columns' weight, see ColumnSketches
 };
 
-/// Shortest listed edges first, as long as they make no branch and no cycle; the fragments' ends are joined by
-/// min-hash among themselves, round after round. A closed tour of all points, the zero point among them.
+/// Shortest listed edges first, as long as they make no branch and no cycle; the fragments' ends are joined
+/// by min-hash among themselves, round after round. A closed tour of all points, the zero point among them.
 std::vector<std::uint32_t> greedy_tour(const SparsePoints& points, const ColumnSketches& sketches,
                                        const NeighbourLists& lists, std::uint64_t seed = 1,
                                        unsigned threads = 0);
@@ -26,10 +26,10 @@ std::vector<std::uint32_t> visits_at_scale(const SparsePoints& points, const Col
                                            const NeighbourLists& lists, std::uint64_t seed = 1,
                                            unsigned threads = 0);
 
-/// All of it for a matrix, equal columns collapsed. Same seed, same order, for any thread count. Nearly linear in the
-/// ones; memory: the matrix once more, bits / 8 and about 200 bytes a column. Where lists cannot be had (random
-/// columns, which have no near ones) it is no better than any other; below some thousands of dense columns the exact
-/// lists of layout/tour.h polish further.
+/// All of it for a matrix, equal columns collapsed. Same seed, same order, for any thread count. Nearly
+/// linear in the ones; memory: the matrix once more, bits / 8 and about 200 bytes a column. Where lists
+/// cannot be had (random columns, which have no near ones) it is no better than any other; below some
+/// thousands of dense columns the exact lists of layout/tour.h polish further.
 Permutation order_at_scale(const VisibilityMatrix& matrix, const ScaleOptions& options = {},
                            unsigned threads = 0);
 

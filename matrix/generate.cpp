@@ -1,20 +1,21 @@
 // ALGORITHM. An object is seen from a star-shaped region of the grid of view cells; its column lists the cell
-// boundaries on that region's rim. Objects stand together at sites. Around its site the view is cut into sectors;
-// in each, an occluder ends the region near or lets it go on to a far wall. Which of the two depends on the
-// object's place: the occluder's edge and the wall span a plane, and the objects on its one side see past it, so two
-// objects of a site differ in as many sectors as planes part them. That is how real visible sets change from place
-// to place, and it makes Hamming distance grow with distance in space. A share of the sectors is drawn for each
-// object alone (its own size and shape). Crowds and ranges of sites are Pareto-distributed: some sites are huge,
-// some columns long.
+// boundaries on that region's rim. Objects stand together at sites. Around its site the view is cut into
+// sectors; in each, an occluder ends the region near or lets it go on to a far wall. Which of the two depends
+// on the object's place: the occluder's edge and the wall span a plane, and the objects on its one side see
+// past it, so two objects of a site differ in as many sectors as planes part them. That is how real visible
+// sets change from place to place, and it makes Hamming distance grow with distance in space. A share of the
+// sectors is drawn for each object alone (its own size and shape). Crowds and ranges of sites are
+// Pareto-distributed: some sites are huge, some columns long.
 //
-// The rim is a chain of lattice paths, walls across the sectors and shadow lines between them; a boundary passed
-// twice is inside the region and cancels. The ranges are scaled in a few rounds until a sample of the sites has the
-// ones a column that were asked for.
+// The rim is a chain of lattice paths, walls across the sectors and shadow lines between them; a boundary
+// passed twice is inside the region and cancels. The ranges are scaled in a few rounds until a sample of the
+// sites has the ones a column that were asked for.
 //
-// CALIBRATION. Only the number of sites was tuned: fewer objects a site, fewer of its like in a column's sample. The
-// published runs against a random permutation are .36 (power plant) and .48 (city), by paper 000's method with k = 700
-// times the scale, 16 k samples (32 k for the city), step 4 included. Ours (bench/order_scale): power plant .365 at scale
-// 1/64, .368 at 1/16, .371 at 1/4, .378 at 1; city .476 at 1/16.
+// CALIBRATION. Only the number of sites was tuned: fewer objects a site, fewer of its like in a column's
+// sample. The published runs against a random permutation are .36 (power plant) and .48 (city), by paper
+// 000's method with k = 700 times the scale, 16 k samples (32 k for the city), step 4 included. Ours
+// (bench/order_scale): power plant .365 at scale 1/64, .368 at 1/16, .371 at 1/4, .378 at 1; city .476 at
+// 1/16.
 #include "matrix/generate.h"
 
 #include <algorithm>
@@ -169,8 +170,8 @@ std::uint64_t count_ones(const std::vector<std::uint64_t>& bits) {
   return ones;
 }
 
-// Ranges of this size give the wanted ones a column, judged by some thousand objects, a few a site; a rim grows like its
-// range.
+// Ranges of this size give the wanted ones a column, judged by some thousand objects, a few a site; a rim
+// grows like its range.
 double fitting_size(const Grid& grid, const DeltaSceneOptions& options,
                     const std::vector<std::vector<std::uint32_t>>& columns_of_site, unsigned threads) {
   const std::size_t step = 1 + columns_of_site.size() / 4096;

@@ -6,8 +6,9 @@
 
 namespace vismat {
 
-/// A scene whose rows are the boundaries between neighbouring view cells of a square grid and whose columns are
-/// objects: row r holds the objects that appear or vanish as a viewer crosses boundary r [Chhugani et al. 2005].
+/// A scene whose rows are the boundaries between neighbouring view cells of a square grid and whose columns
+/// are objects: row r holds the objects that appear or vanish as a viewer crosses boundary r [Chhugani et al.
+/// 2005].
 struct DeltaSceneOptions {
   Shape shape{350000, 400000};
   double ones_per_column = 1300;  // on average; met within 2 % where the grid has room for it
@@ -18,15 +19,15 @@ struct DeltaSceneOptions {
   std::uint64_t seed = 1;
 };
 
-/// The matrix: coherent among the objects of a site, incoherent between sites, columns numbered at random, so that
-/// the order it comes in helps no method. Same options, same matrix, for any thread count. O(ones); takes twice the
-/// memory of the result. Throws std::invalid_argument unless shares lie in [0, 1], tails are above .5,
-/// ones_per_column is above 0 and there is a site.
+/// The matrix: coherent among the objects of a site, incoherent between sites, columns numbered at random, so
+/// that the order it comes in helps no method. Same options, same matrix, for any thread count. O(ones);
+/// takes twice the memory of the result. Throws std::invalid_argument unless shares lie in [0, 1], tails are
+/// above .5, ones_per_column is above 0 and there is a site.
 VisibilityMatrix generate_delta_scene(const DeltaSceneOptions& options, unsigned threads = 0);
 
-/// The two scenes of paper 000, section 6.1, smaller by `scale` in (0, 1]: so many times fewer boundaries, objects
-/// and sites, and, as the rim of a region grows like the root of its area, sqrt(scale) of the ones a column.
-/// Calibrated as the source tells. `harder` makes a less redundant one.
+/// The two scenes of paper 000, section 6.1, smaller by `scale` in (0, 1]: so many times fewer boundaries,
+/// objects and sites, and, as the rim of a region grows like the root of its area, sqrt(scale) of the ones a
+/// column. Calibrated as the source tells. `harder` makes a less redundant one.
 DeltaSceneOptions power_plant_scene(double scale, bool harder = false);
 DeltaSceneOptions city_scene(double scale, bool harder = false);
 
