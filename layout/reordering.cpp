@@ -8,7 +8,9 @@
 #include "layout/cost.h"
 #include "layout/distinct_columns.h"
 #include "layout/greedy_order.h"
+#include "layout/sampled_tour.h"
 #include "layout/simple_orders.h"
+#include "layout/sparse_tour.h"
 #include "layout/tour.h"
 
 namespace vismat {
@@ -25,15 +27,27 @@ Permutation polished(const VisibilityMatrix& matrix, const ReorderingOptions& op
                                .seconds = options.seconds}));
 }
 
+Permutation at_scale(const VisibilityMatrix& matrix, const ReorderingOptions& options) {
+  ScaleOptions scale;
+  scale.nearby.seed = options.seed;
+  return order_at_scale(matrix, scale, options.threads);
+}
+
+// All pairs of 20000 columns take seconds; of 400000 they would take hours.
+constexpr std::uint32_t most_pairs_columns = 20000;
+
 Permutation best(const VisibilityMatrix& matrix, const ReorderingOptions& options) {
   const DistinctColumns distinct = distinct_columns(matrix);
-  const Permutation order = unfold(polished(distinct.matrix, options), distinct.distinct_of_column);
+  const bool small = distinct.matrix.shape().columns <= most_pairs_columns;
+  const Permutation of_distinct =
+      small ? polished(distinct.matrix, options) : at_scale(distinct.matrix, options);
+  const Permutation order = unfold(of_distinct, distinct.distinct_of_column);
   const Permutation rows = Permutation::identity(matrix.shape().rows);
   if (count_runs(permute(matrix, rows, order)) <= count_runs(matrix)) return order;
   return Permutation::identity(matrix.shape().columns);
 }
 
-constexpr std::array<Reordering, 9> table = {{
+constexpr std::array<Reordering, 11> table = {{
     {"identity", "as they stand",
      [](const VisibilityMatrix& m, const ReorderingOptions&) {
        return Permutation::identity(m.shape().columns);
@@ -56,6 +70,11 @@ constexpr std::array<Reordering, 9> table = {{
      [](const VisibilityMatrix& m, const ReorderingOptions&) {
        return order_of_tour(nearest_neighbour_tour(ColumnPoints(m)));
      }},
+    {"sampled-tour", "nearest of a sample, then edge flips [Chhugani et al. 2005]",
+     [](const VisibilityMatrix& m, const ReorderingOptions& o) {
+       return order_by_sampled_tour(m, {.seed = o.seed}, o.threads);
+     }},
+    {"scale-tour", "greedy edges among columns found by min-hash, 2-opt, Or-opt: for 10^5 columns", at_scale},
     {"bisection", "recursive graph bisection [Dhulipala et al. 2016]",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_by_bisection(m); }},
     {"polished-tour", "greedy edge, 2-opt, Or-opt, local double bridges", polished},
