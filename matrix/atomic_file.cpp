@@ -34,24 +34,31 @@ std::array<Slot, slots> open_files;
 AtomicFile::AtomicFile(std::filesystem::path final_path) : final_(std::move(final_path)) {
   partial_ = final_;
   partial_ += ".partial-" + std::to_string(::getpid());
-  const int descriptor = ::open(partial_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
-  if (descriptor < 0) fail(final_, "cannot write there", errno);
-  ::close(descriptor);
-  if (partial_.native().size() >= longest) return;
-  for (std::size_t i = 0; i < slots && slot_ < 0; ++i) {
+  // The name goes into the table before the file exists, or a signal in between would leave the file behind.
+  for (std::size_t i = 0; i < slots && slot_ < 0 && partial_.native().size() < longest; ++i) {
     if (open_files[i].taken.exchange(true)) continue;
     std::strcpy(open_files[i].path.data(), partial_.c_str());
     open_files[i].ready = true;
     slot_ = static_cast<int>(i);
   }
+  const int descriptor = ::open(partial_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    const int error = errno;
+    release_slot();
+    fail(final_, "cannot write there", error);
+  }
+  ::close(descriptor);
 }
 
 AtomicFile::~AtomicFile() {
-  if (slot_ >= 0) {
-    open_files[static_cast<std::size_t>(slot_)].ready = false;
-    open_files[static_cast<std::size_t>(slot_)].taken = false;
-  }
   if (!partial_.empty()) ::unlink(partial_.c_str());
+  release_slot();
+}
+
+void AtomicFile::release_slot() {
+  if (slot_ < 0) return;
+  open_files[static_cast<std::size_t>(slot_)].ready = false;
+  open_files[static_cast<std::size_t>(slot_)].taken = false;
 }
 
 void AtomicFile::commit() {

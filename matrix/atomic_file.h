@@ -20,6 +20,7 @@ class AtomicFile {
   void commit();  // throws std::runtime_error if the rename fails
 
  private:
+  void release_slot();
   std::filesystem::path final_, partial_;
   int slot_ = -1;  // in the list that remove_partial_files walks
 };
