@@ -1,0 +1,144 @@
+// Fig. 6 of Chhugani et al. 2005: how many points lie near a random point, by the number of points and by the
+// distance.
+//
+//   distance_statistics --out FOLDER [--scale S] MATRIX.bsp.h5 ...
+//
+// Points are distinct columns: a column that has an equal one would have its nearest neighbour at distance 0,
+// and twice that holds its equals alone. The share of columns that have an equal one is told beside. Writes
+// FOLDER/distance_density.csv (a: the share of other points within twice the nearest one's distance, in random
+// subsets of growing size; in the whole set it is the paper's alpha) and FOLDER/distance_radius.csv (b: the
+// share within multiples of the nearest one's distance, whole set). Means over random points.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <numeric>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/measure.h"
+#include "layout/column_points.h"
+#include "layout/distinct_columns.h"
+#include "matrix/atomic_file.h"
+#include "matrix/dataset.h"
+#include "matrix/generate.h"
+#include "matrix/random.h"
+
+namespace {
+
+using namespace vismat;
+using namespace vismat::bench;
+
+struct Options {
+  std::filesystem::path out = "out";
+  std::vector<std::string> files;
+  double scale = 0;
+  std::uint32_t trials = 200;
+  std::uint64_t seed = 1;
+};
+
+// The first `count` of a random order of [0, size).
+std::vector<std::uint32_t> some_of(std::uint32_t size, std::uint32_t count, Random& random) {
+  std::vector<std::uint32_t> order(size);
+  std::iota(order.begin(), order.end(), 0u);
+  for (std::uint32_t i = 0; i < count; ++i) std::swap(order[i], order[i + random.below(size - i)]);
+  order.resize(count);
+  return order;
+}
+
+struct Tables {
+  std::string density = "matrix,columns,distinct,with_an_equal,points,within_twice,trials\n";
+  std::string radius = "matrix,multiple,within,trials\n";
+};
+
+// Ascending distances of a subset's first point to its others.
+std::vector<std::uint32_t> distances_of_first(const ColumnPoints& points,
+                                              std::span<const std::uint32_t> subset) {
+  std::vector<std::uint32_t> distances(subset.size() - 1);
+  for (std::size_t i = 1; i < subset.size(); ++i) distances[i - 1] = points.distance(subset[0], subset[i]);
+  std::sort(distances.begin(), distances.end());
+  return distances;
+}
+
+double share_within(const std::vector<std::uint32_t>& ascending, double radius) {
+  const auto end = std::upper_bound(ascending.begin(), ascending.end(), radius);
+  return static_cast<double>(end - ascending.begin()) / static_cast<double>(ascending.size());
+}
+
+double share_with_an_equal(const DistinctColumns& distinct) {
+  std::vector<std::uint32_t> of_kind(distinct.matrix.shape().columns, 0);
+  for (const std::uint32_t kind : distinct.distinct_of_column) ++of_kind[kind];
+  const auto columns = static_cast<double>(distinct.distinct_of_column.size());
+  return 1 - static_cast<double>(std::count(of_kind.begin(), of_kind.end(), 1u)) / columns;
+}
+
+void add_matrix(const std::string& name, const VisibilityMatrix& matrix, const Options& options,
+                Tables& tables) {
+  const DistinctColumns distinct = distinct_columns(matrix);
+  const ColumnPoints points(distinct.matrix);
+  if (points.size() < 2) return;
+  constexpr double widest = 64, step = 1.25;
+  std::vector<double> within(static_cast<std::size_t>(std::log(widest) / std::log(step)) + 2, 0.);
+  Random random(options.seed);
+  double alpha = 0;
+  for (std::uint32_t size = std::min(64u, points.size());; size = std::min(2 * size, points.size())) {
+    double twice = 0;
+    for (std::uint32_t trial = 0; trial < options.trials; ++trial) {
+      const auto distances = distances_of_first(points, some_of(points.size(), size, random));
+      twice += share_within(distances, 2. * distances.front());
+      if (size < points.size()) continue;
+      for (std::size_t i = 0; i < within.size(); ++i)
+        within[i] += share_within(distances, distances.front() * std::pow(step, i));
+    }
+    alpha = twice / options.trials;
+    tables.density += csv_line(name, matrix.shape().columns, points.size(), share_with_an_equal(distinct),
+                               size, alpha, options.trials);
+    if (size == points.size()) break;
+  }
+  for (std::size_t i = 0; i < within.size(); ++i)
+    tables.radius += csv_line(name, std::pow(step, i), within[i] / options.trials, options.trials);
+  std::printf("%-24s %8u columns, %8u distinct: %6.2f %% of them within twice the nearest one's distance\n",
+              name.c_str(), matrix.shape().columns, points.size(), 100 * alpha);
+  std::fflush(stdout);
+}
+
+void run(const Options& options) {
+  Tables tables;
+  for (const std::string& file : options.files)
+    add_matrix(name_of(file), read_dataset(file).matrix, options, tables);
+  if (options.scale > 0) {
+    for (const bool harder : {false, true}) {
+      const std::string suffix = harder ? " harder" : "";
+      add_matrix("power plant" + suffix, generate_delta_scene(power_plant_scene(options.scale, harder)),
+                 options, tables);
+      add_matrix("city" + suffix, generate_delta_scene(city_scene(options.scale, harder)), options, tables);
+    }
+  }
+  write_file(options.out / "distance_density.csv", std::as_bytes(std::span(tables.density)));
+  write_file(options.out / "distance_radius.csv", std::as_bytes(std::span(tables.radius)));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Fig. 6 of Chhugani et al. 2005: the share of points near a random point");
+  Options options;
+  app.add_option("--out", options.out, "Folder for the two tables")->capture_default_str();
+  app.add_option("--scale", options.scale, "Synthetic scenes too, at this share of the paper's size")
+      ->check(CLI::Range(1e-4, 1.));
+  app.add_option("--trials", options.trials, "Random points a mean is over")
+      ->check(CLI::Range(1u, 1'000'000u))
+      ->capture_default_str();
+  app.add_option("--seed", options.seed)->capture_default_str();
+  app.add_option("matrices", options.files, "Matrix files");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "distance_statistics: %s\n", error.what());
+    return 1;
+  }
+}
