@@ -12,10 +12,9 @@
 #include <string>
 
 #include "cli/verbs.h"
+#include "layout/bound.h"
 #include "layout/cost.h"
-#include "layout/distinct_columns.h"
 #include "layout/greedy_order.h"
-#include "layout/held_karp.h"
 #include "layout/reordering.h"
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
@@ -26,7 +25,8 @@ namespace {
 struct Options {
   std::filesystem::path in, out, json;
   std::string columns = "identity", rows = "identity";
-  std::optional<std::uint32_t> bound_steps;
+  std::string bound = "quick";
+  double bound_seconds = 60;
   bool symmetric = false;
   ReorderingOptions order;
 };
@@ -38,13 +38,6 @@ struct Result {
   std::optional<std::uint64_t> bound;
   double seconds = 0;
 };
-
-constexpr std::uint32_t most_bound_points = 30000;  // 1.8 GB of distances
-
-// A step looks at every pair: 200 steps take 6 s at 5500 points, 66 about a minute at 24600.
-std::uint32_t affordable_steps(std::uint64_t points) {
-  return static_cast<std::uint32_t>(std::min<std::uint64_t>(200, 40'000'000'000 / (points * points + 1)));
-}
 
 Result order_side(const VisibilityMatrix& matrix, const std::string& method, const Dataset& data, bool rows,
                   const Options& options) {
@@ -65,15 +58,10 @@ Result order_side(const VisibilityMatrix& matrix, const std::string& method, con
   const Permutation identity = Permutation::identity(matrix.shape().rows);
   result.runs_before = count_runs(matrix);
   result.runs_after = count_runs(permute(matrix, identity, result.order));
-  if (options.bound_steps != 0) {
-    const DistinctColumns distinct = distinct_columns(matrix);  // equal columns cost nothing side by side
-    const std::uint32_t points = distinct.matrix.shape().columns;
-    if (points <= most_bound_points) {
-      result.bound = held_karp_bound(ColumnPoints(distinct.matrix),
-                                     {.steps = options.bound_steps.value_or(affordable_steps(points)),
-                                      .known_runs = result.runs_after})
-                         .runs;
-    }
+  if (options.bound != "none") {
+    result.bound =
+        lower_bound(matrix, result.order, {.seconds = options.bound == "tight" ? options.bound_seconds : 0})
+            .runs;
   }
   return result;
 }
@@ -164,7 +152,13 @@ void add_order(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("--seconds", options->order.seconds,
                    "Polish tours that long instead of a fixed number of kicks");
-  verb->add_option("--bound", options->bound_steps, "Steps of the lower bound's ascent; 0: no bound")
+  verb->add_option(
+          "--bound", options->bound,
+          "Lower bound on the runs of any order: none, quick (seconds; a minute at 25,000 columns), or tight")
+      ->check(CLI::IsMember({"none", "quick", "tight"}))
+      ->capture_default_str();
+  verb->add_option("--bound-seconds", options->bound_seconds, "How long --bound tight goes on")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb->add_option("--json", options->json, "Also write runs, bound, seconds and peak memory there");
   verb->footer("Methods:" + methods +

@@ -82,6 +82,16 @@ Permutation SparsePoints::order_of_columns(std::span<const std::uint32_t> points
   return Permutation::from_old_of_new(std::move(order));
 }
 
+std::vector<std::uint32_t> SparsePoints::visits_of_order(const Permutation& order) const {
+  std::vector<std::uint32_t> point_of_column(columns_.shape().rows, none), visits;
+  for (std::uint32_t p = 0; p < size(); ++p) point_of_column[column_of_point_[p]] = p;
+  visits.reserve(size());
+  for (const std::uint32_t c : order.old_of_new()) {
+    if (point_of_column[c] != none) visits.push_back(point_of_column[c]);
+  }
+  return visits;
+}
+
 std::uint64_t runs_of_visits(const SparsePoints& points, std::span<const std::uint32_t> visits,
                              unsigned threads) {
   if (visits.empty()) return 0;

@@ -32,6 +32,8 @@ class SparsePoints {
   std::uint32_t column(std::uint32_t point) const { return column_of_point_[point]; }
   /// A visiting order of all points but zero() as one of all columns; empty columns come last.
   Permutation order_of_columns(std::span<const std::uint32_t> points) const;
+  /// The points as an order of all columns comes by the first column of each.
+  std::vector<std::uint32_t> visits_of_order(const Permutation& order) const;
 
  private:
   VisibilityMatrix columns_;

@@ -1,4 +1,4 @@
-// Proven lower bounds on the runs of any order of columns, where all pairs are too many.
+// A proven lower bound on the runs of any order of columns, where all pairs are too many: by exact nearest neighbours.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -31,25 +31,13 @@ CertifiedNeighbours certify_neighbours(const SparsePoints& points, const ColumnS
                                        const NeighbourLists& lists, std::span<const std::uint32_t> visits,
                                        const CertifyOptions& options = {}, unsigned threads = 0);
 
-/// Each point is left and entered: a quarter of the distances to its two nearest, unlisted ones at the
-/// threshold.
+/// Each point is left and entered: no order of the columns has fewer runs than a quarter of the distances to
+/// every point's two nearest, unlisted ones at the threshold.
 std::uint64_t two_nearest_bound(const SparsePoints& points, const CertifiedNeighbours& neighbours);
 
-struct SparseBoundOptions {
-  std::uint32_t steps = 100;
-  /// Runs of a known order, if any: sets the length of the steps, never the validity of the bound.
-  std::uint64_t known_runs = 0;
-};
-
-struct SparseBound {
-  std::uint64_t runs = 0;              // no order of the columns has fewer
-  std::vector<std::uint64_t> history;  // the best bound after each step
-};
-
-/// Held & Karp's ascent over the listed edges, all others at what the thresholds certify. All in integers. A
-/// step is one minimum spanning tree of the lists, O(n k log n); memory 40 bytes an edge. As tight as the
-/// lists are complete: see the source.
-SparseBound sparse_held_karp_bound(const SparsePoints& points, const CertifiedNeighbours& neighbours,
-                                   const SparseBoundOptions& options = {});
+/// All of it, from an order of all points: its neighbours are where the exact search begins. Breaks (goes
+/// slow, and then weak) where the nearest are hardly nearer than all others, as in random columns.
+std::uint64_t two_nearest_bound(const SparsePoints& points, std::span<const std::uint32_t> visits,
+                                unsigned threads = 0);
 
 }  // namespace vismat

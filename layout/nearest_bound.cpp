@@ -15,18 +15,7 @@
 // 2-nearest bound. A closed tour has two edges at each point and is half the sum of them; each two are at
 // least the two shortest that exist, and unlisted ones are at least the threshold long. Runs are half the
 // length.
-//
-// Held-Karp, as in layout/held_karp.cpp, on a relaxed graph: an unlisted pair i, j costs at least max(t_i,
-// t_j), hence at least (t_i + t_j) / 2. With potentials its weight is at least h_i + h_j, where h = t / 2 +
-// potential. Such weights have a spanning tree that is a star: around the point of least h, since replacing
-// any edge (i, j) of another tree by (i, least) or (j, least), whichever joins its two halves again, costs no
-// more. The least spanning tree of a union is within the union of least spanning trees, so the listed edges
-// and one star, n - 1 edges instead of n^2, give the exact cheapest 1-tree of the relaxed graph; it is no
-// dearer than that of the true one, hence than any tour. Integers of a scale, so that rounding is exact.
-//
-// Not sound, though tempting: the spanning tree of the lists alone, without the star (a true tree may use
-// unlisted edges that potentials have made cheap); sums of bounds over blocks of columns.
-#include "layout/sparse_bound.h"
+#include "layout/nearest_bound.h"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -46,7 +35,6 @@ namespace vismat {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffff;
-constexpr std::int64_t scale = 256;
 
 using Neighbour = std::pair<std::uint32_t, std::uint32_t>;  // (distance, point)
 
@@ -201,103 +189,29 @@ class Certifier {
   std::vector<Block> blocks_;
 };
 
-// Union-find with path halving.
-class Components {
- public:
-  explicit Components(std::uint32_t size) : root_(size) { std::iota(root_.begin(), root_.end(), 0u); }
-  bool join(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    root_[a] = b;
-    return a != b;
-  }
-
- private:
-  std::uint32_t find(std::uint32_t p) {
-    while (root_[p] != p) p = root_[p] = root_[root_[p]];
-    return p;
-  }
-  std::vector<std::uint32_t> root_;
-};
-
-class RelaxedOneTrees {
- public:
-  RelaxedOneTrees(const SparsePoints& points, const CertifiedNeighbours& neighbours)
-      : points_(points), threshold_(neighbours.threshold) {
-    const NeighbourLists& lists = neighbours.lists;
-    for (std::uint32_t p = 0; p < points.size(); ++p) {
-      for (std::size_t i = std::size_t{p} * lists.per_point; i < (std::size_t{p} + 1) * lists.per_point;
-           ++i) {
-        const std::uint32_t q = lists.ids[i];
-        if (q != none) listed_.push_back({std::min(p, q), std::max(p, q), lists.distances[i]});
+// The two nearest of each point among those a few places away in the order.
+NeighbourLists nearest_in_order(const SparsePoints& points, const ColumnSketches& sketches,
+                                std::span<const std::uint32_t> visits, unsigned threads) {
+  constexpr std::size_t window = 4, most = 2;
+  const std::size_t count = visits.size();
+  NeighbourLists lists{most, std::vector<std::uint32_t>(count * most, none),
+                       std::vector<std::uint32_t>(count * most, none)};
+  parallel_for((count + 255) / 256, threads, [&](std::uint64_t piece) {
+    for (std::size_t place = piece * 256; place < std::min(count, (piece + 1) * 256); ++place) {
+      const std::uint32_t p = visits[place];
+      std::array<Neighbour, most> nearest = {Neighbour{none, none}, Neighbour{none, none}};
+      for (std::size_t i = place - std::min(place, window); i < std::min(count, place + window + 1); ++i) {
+        if (i == place || sketches.lower_bound(p, visits[i], nearest[1].first) >= nearest[1].first) continue;
+        nearest[1] = std::min(nearest[1], Neighbour{points.distance(p, visits[i]), visits[i]});
+        if (nearest[1] < nearest[0]) std::swap(nearest[0], nearest[1]);
+      }
+      for (std::size_t i = 0; i < most; ++i) {
+        lists.distances[p * most + i] = nearest[i].first;
+        lists.ids[p * most + i] = nearest[i].second;
       }
     }
-    std::sort(listed_.begin(), listed_.end());
-    listed_.erase(std::unique(listed_.begin(), listed_.end()), listed_.end());
-  }
-
-  // The cheapest 1-tree's weight under the potentials, at the scale; fills in the degrees.
-  std::int64_t cheapest(const std::vector<std::int64_t>& potential, std::vector<std::int32_t>& degree) {
-    const std::uint32_t n = points_.size();
-    const auto half_edge = [&](std::uint32_t p) { return scale / 2 * threshold_[p] + potential[p]; };
-    std::uint32_t hub = 0;
-    for (std::uint32_t p = 1; p < n; ++p) {
-      if (half_edge(p) < half_edge(hub)) hub = p;
-    }
-    weighted_.clear();
-    for (std::uint32_t e = 0; e < listed_.size(); ++e) {
-      const Edge& edge = listed_[e];
-      weighted_.emplace_back(scale * edge.distance + potential[edge.a] + potential[edge.b], e);
-    }
-    for (std::uint32_t p = 0; p < n; ++p) {
-      if (p != hub) weighted_.emplace_back(half_edge(p) + half_edge(hub), listed_.size() + p);
-    }
-    std::sort(weighted_.begin(), weighted_.end());
-    degree.assign(n + 1, 0);
-    Components components(n);
-    std::int64_t weight = 0;
-    std::uint32_t left = n - 1;
-    for (std::size_t i = 0; left > 0; ++i) {
-      const auto [w, e] = weighted_[i];
-      const bool star = e >= listed_.size();
-      const std::uint32_t a = star ? static_cast<std::uint32_t>(e - listed_.size()) : listed_[e].a;
-      const std::uint32_t b = star ? hub : listed_[e].b;
-      if (!components.join(a, b)) continue;
-      weight += w;
-      ++degree[a];
-      ++degree[b];
-      --left;
-    }
-    std::pair<std::int64_t, std::uint32_t> first(std::numeric_limits<std::int64_t>::max(), 0), second = first;
-    for (std::uint32_t p = 0; p < n; ++p) {
-      const std::pair edge(scale * points_.weight(p) + potential[p] + potential[n], p);
-      if (edge < first)
-        second = std::exchange(first, edge);
-      else
-        second = std::min(second, edge);
-    }
-    ++degree[first.second];
-    ++degree[second.second];
-    degree[n] = 2;
-    return weight + first.first + second.first;
-  }
-
- private:
-  struct Edge {
-    std::uint32_t a, b, distance;
-    auto operator<=>(const Edge&) const = default;
-  };
-  const SparsePoints& points_;
-  const std::vector<std::uint32_t>& threshold_;
-  std::vector<Edge> listed_;
-  std::vector<std::pair<std::int64_t, std::uint64_t>>
-      weighted_;  // (weight, listed edge or, after those, star's point)
-};
-
-// Begins the ascent: the 2-nearest bound's own potentials, which a hundred steps from zero do not find.
-std::int64_t second_nearest(std::uint32_t p, const CertifiedNeighbours& neighbours) {
-  const std::uint32_t per_point = neighbours.lists.per_point, threshold = neighbours.threshold[p];
-  if (per_point < 2) return per_point == 0 ? 0 : std::min(threshold, neighbours.lists.distances[p]);
-  return std::min(threshold, neighbours.lists.distances[std::size_t{p} * per_point + 1]);
+  });
+  return lists;
 }
 
 }  // namespace
@@ -311,6 +225,13 @@ CertifiedNeighbours certify_neighbours(const SparsePoints& points, const ColumnS
   const Certifier certifier(points, sketches, visits, options, threads);
   parallel_for(certifier.block_count(), threads, [&](std::uint64_t b) { certifier.complete(b, result); });
   return result;
+}
+
+std::uint64_t two_nearest_bound(const SparsePoints& points, std::span<const std::uint32_t> visits,
+                                unsigned threads) {
+  const ColumnSketches sketches(points, 0, threads);
+  const NeighbourLists lists = nearest_in_order(points, sketches, visits, threads);
+  return two_nearest_bound(points, certify_neighbours(points, sketches, lists, visits, {}, threads));
 }
 
 std::uint64_t two_nearest_bound(const SparsePoints& points, const CertifiedNeighbours& neighbours) {
@@ -347,50 +268,6 @@ std::uint64_t two_nearest_bound(const SparsePoints& points, const CertifiedNeigh
   std::uint64_t sum = 0;
   for (std::uint32_t p = 0; p <= n; ++p) sum += std::uint64_t{first[p]} + second[p];
   return (sum + 3) / 4;
-}
-
-SparseBound sparse_held_karp_bound(const SparsePoints& points, const CertifiedNeighbours& neighbours,
-                                   const SparseBoundOptions& options) {
-  const std::uint32_t n = points.size();
-  if (n < 2) return {n == 0 ? 0 : points.weight(0), {}};
-  RelaxedOneTrees trees(points, neighbours);
-  std::vector<std::int64_t> potential(n + 1, 0);
-  for (std::uint32_t p = 0; p < n; ++p) potential[p] = -scale / 2 * second_nearest(p, neighbours);
-  std::vector<std::int64_t> best_potential = potential;
-  std::vector<std::int32_t> degree, before(n + 1, 2);
-  SparseBound bound;
-  double agility = 1, best_length = 0;
-  std::uint32_t since_gain = 0;
-  for (std::uint32_t step = 0; step < options.steps; ++step) {
-    const std::int64_t length = trees.cheapest(potential, degree) -
-                                2 * std::accumulate(potential.begin(), potential.end(), std::int64_t{0});
-    const std::int64_t runs = length <= 0 ? 0 : (length + 2 * scale - 1) / (2 * scale);
-    bound.runs = std::max(bound.runs, static_cast<std::uint64_t>(runs));
-    bound.history.push_back(bound.runs);
-    if (static_cast<double>(length) > best_length) {
-      best_length = static_cast<double>(length);
-      best_potential = potential;
-      since_gain = 0;
-    } else if (++since_gain >= 5) {
-      agility *= .7;
-      since_gain = 0;
-      potential = best_potential;
-    }
-    double norm = 0;
-    for (const std::int32_t d : degree) norm += static_cast<double>(d - 2) * (d - 2);
-    if (norm == 0) break;  // the 1-tree is a tour of the relaxed graph: nothing is shorter there
-    const double target = options.known_runs > 0
-                              ? 2. * static_cast<double>(scale) * static_cast<double>(options.known_runs)
-                              : 1.05 * best_length;
-    const double stride = agility * std::max(target - static_cast<double>(length), 1e-4 * best_length) / norm;
-    for (std::uint32_t p = 0; p <= n; ++p) {
-      const double change = stride * (.7 * (degree[p] - 2) + .3 * (before[p] - 2));
-      const double moved = std::clamp(static_cast<double>(potential[p]) + change, -1e15, 1e15);
-      potential[p] = static_cast<std::int64_t>(std::nearbyint(moved));
-    }
-    before = degree;
-  }
-  return bound;
 }
 
 }  // namespace vismat
