@@ -1,34 +1,44 @@
 #include "layout/column_points.h"
 
 #include <algorithm>
-#include <utility>
+#include <array>
 
 namespace vismat {
 
 NeighbourLists exact_neighbours(const ColumnPoints& points, std::uint32_t k, unsigned threads) {
+  constexpr std::uint32_t strip =
+      8;  // points held against all others while these pass through the cache once
   const std::uint32_t count = points.size() + 1;
   k = std::min(k, count - 1);
   NeighbourLists lists{k, std::vector<std::uint32_t>(std::size_t{count} * k),
                        std::vector<std::uint32_t>(std::size_t{count} * k)};
-  parallel_for(count, threads, [&](std::uint64_t i) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>>
-        nearest;  // (distance, id), a heap whose top is the worst
-    for (std::uint32_t j = 0; j < count; ++j) {
-      if (j == i) continue;
-      const std::uint32_t worst = nearest.size() < k ? 0xffffffff : nearest.front().first;
-      const std::uint32_t d = points.distance(static_cast<std::uint32_t>(i), j, worst);
-      if (nearest.size() == k && std::pair(d, j) >= nearest.front()) continue;
-      if (nearest.size() == k) {
-        std::pop_heap(nearest.begin(), nearest.end());
-        nearest.pop_back();
+  if (k == 0) return lists;
+  parallel_for((count + strip - 1) / strip, threads, [&](std::uint64_t s) {
+    const auto first = static_cast<std::uint32_t>(s * strip), end = std::min(count, first + strip);
+    std::array<std::vector<std::uint64_t>, strip> nearest;  // keys: distance, then point
+    std::array<std::uint64_t, strip> limit;                 // keys from here on are not among the k nearest
+    limit.fill(~std::uint64_t{0});
+    const auto keep_nearest = [&](std::uint32_t p) {
+      auto& keys = nearest[p - first];
+      std::nth_element(keys.begin(), keys.begin() + k - 1, keys.end());
+      keys.resize(k);
+      limit[p - first] = keys[k - 1];
+    };
+    for (std::uint32_t q = 0; q < count; ++q) {
+      for (std::uint32_t p = first; p < end; ++p) {
+        const std::uint64_t key = std::uint64_t{points.distance(p, q)} << 32 | q;
+        if (key >= limit[p - first] || p == q) continue;
+        nearest[p - first].push_back(key);
+        if (nearest[p - first].size() == 4 * std::size_t{k}) keep_nearest(p);
       }
-      nearest.emplace_back(d, j);
-      std::push_heap(nearest.begin(), nearest.end());
     }
-    std::sort_heap(nearest.begin(), nearest.end());
-    for (std::uint32_t n = 0; n < k; ++n) {
-      lists.distances[i * k + n] = nearest[n].first;
-      lists.ids[i * k + n] = nearest[n].second;
+    for (std::uint32_t p = first; p < end; ++p) {
+      keep_nearest(p);
+      std::sort(nearest[p - first].begin(), nearest[p - first].end());
+      for (std::uint32_t n = 0; n < k; ++n) {
+        lists.distances[std::size_t{p} * k + n] = static_cast<std::uint32_t>(nearest[p - first][n] >> 32);
+        lists.ids[std::size_t{p} * k + n] = static_cast<std::uint32_t>(nearest[p - first][n]);
+      }
     }
   });
   return lists;

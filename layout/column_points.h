@@ -44,7 +44,7 @@ struct NeighbourLists {
   std::vector<std::uint32_t> ids, distances;  // per_point a point, size() + 1 points
 };
 
-/// By all pairs: O(columns^2 * rows / 64) word operations, most of them cut short at the k-th best so far.
+/// By all pairs: columns^2 * rows / 64 word operations.
 NeighbourLists exact_neighbours(const ColumnPoints& points, std::uint32_t k, unsigned threads = 0);
 
 }  // namespace vismat

@@ -7,13 +7,14 @@
 namespace vismat {
 namespace {
 
-// The same loop for several instruction sets; the limit is looked at every 16 words, once the sum is out of
-// the registers.
+// The same loop for several instruction sets; the limit, if there is one, is looked at every 16 words, once the
+// sum is out of the registers.
 [[gnu::always_inline]] inline std::uint32_t distance_loop(const std::uint64_t* a, const std::uint64_t* b,
                                                           std::size_t words, std::uint32_t limit) {
+  const std::size_t stretch = limit == 0xffffffff ? words : 16;
   std::uint64_t distance = 0;
   for (std::size_t i = 0; i < words && distance <= limit;) {
-    const std::size_t end = std::min(words, i + 16);
+    const std::size_t end = std::min(words, i + stretch);
     for (; i < end; ++i) distance += static_cast<std::uint64_t>(std::popcount(a[i] ^ b[i]));
   }
   return static_cast<std::uint32_t>(distance);
