@@ -1,0 +1,33 @@
+// A column order whose near columns are found by FLANN.
+#pragma once
+#include <cstdint>
+
+#include "layout/column_points.h"
+#include "layout/tour.h"
+#include "matrix/permutation.h"
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+struct FlannOptions {
+  std::uint32_t neighbours = 10;  // a point
+  std::uint32_t trees = 4;        // each splits the points anew
+  std::uint32_t branching = 32;   // parts a node is split into, at least 2
+  std::uint32_t leaf_points = 100;
+  std::uint32_t checks = 512;  // points a query looks at, 1 to 2^31 - 1
+};
+
+/// The nearest other points of each as FLANN's hierarchical clustering finds them [Muja & Lowe 2012], with exact
+/// distances: a list is always full, nearest first, but may miss some that are nearer. `points` are the columns of
+/// `matrix`, which should be distinct. Up to leaf_points, and without rows, the exact lists.
+/// Throws std::invalid_argument for options out of range.
+NeighbourLists flann_neighbours(const VisibilityMatrix& matrix, const ColumnPoints& points,
+                                const FlannOptions& options = {}, unsigned threads = 0);
+
+/// Equal columns collapsed, FLANN's lists, greedy edges, polish. NOT REPRODUCIBLE: FLANN seeds itself from the system
+/// and can not be told otherwise, so each call may give another order. Memory: the columns as bits, twice; building is
+/// single-threaded, each query clears a bit a column.
+Permutation order_by_flann_tour(const VisibilityMatrix& matrix, const FlannOptions& options = {},
+                                const PolishOptions& polishing = {}, unsigned threads = 0);
+
+}  // namespace vismat
