@@ -1,5 +1,8 @@
 #include "layout/bound.h"
 
+#include <algorithm>
+#include <chrono>
+
 #include "layout/held_karp.h"
 #include "layout/nearest_bound.h"
 #include "layout/sparse_points.h"
@@ -12,11 +15,19 @@ LowerBound lower_bound(const VisibilityMatrix& matrix, const Permutation& order,
   constexpr std::uint32_t most_points = 30000;
   const SparsePoints points(matrix);
   const std::vector<std::uint32_t> visits = points.visits_of_order(order);
-  if (points.size() > most_points && options.seconds == 0) {
-    const std::uint64_t runs = two_nearest_bound(points, visits, options.threads);
-    return {runs, {runs}};
-  }
-  return held_karp_bound(points, visits, {.seconds = options.seconds, .threads = options.threads});
+  if (points.size() <= most_points)
+    return held_karp_bound(points, visits, {.seconds = options.seconds, .threads = options.threads});
+  const auto start = std::chrono::steady_clock::now();
+  const std::uint64_t quick = two_nearest_bound(points, visits, options.threads);
+  LowerBound bound = {quick, {quick}};
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+  if (spent.count() >= options.seconds) return bound;
+  for (const std::uint64_t runs :
+       held_karp_bound(points, visits,
+                       {.seconds = options.seconds - spent.count(), .threads = options.threads})
+           .history)
+    bound.history.push_back(bound.runs = std::max(bound.runs, runs));
+  return bound;
 }
 
 }  // namespace vismat

@@ -24,6 +24,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -61,6 +62,9 @@ void sort_by_high_word(std::vector<std::uint64_t>& keys, std::vector<std::uint64
     keys.swap(buffer);
   }
 }
+
+// Shows each row of the table of distances, in parallel.
+using Pass = std::function<void(const PairDistances::Take&)>;
 
 struct Edge {
   std::uint32_t a, b, distance;  // a < b
@@ -160,50 +164,45 @@ struct Linkage {
 };
 
 // The pairs that are cheaper than the dearest edge between their ends.
-std::vector<Edge> cheap_pairs(const PairDistances& pairs, const std::vector<std::int32_t>& potential,
-                              const Linkage& linkage, unsigned threads) {
+std::vector<Edge> cheap_pairs(std::uint32_t n, const Pass& pass, const std::vector<std::int32_t>& potential,
+                              const Linkage& linkage) {
   constexpr std::int32_t lowest = std::numeric_limits<std::int32_t>::min();
-  const std::uint32_t n = pairs.size();
   std::vector<std::uint32_t> place(n);
   for (std::uint32_t i = 0; i < n; ++i) place[linkage.points[i]] = i;
   std::vector<std::vector<Edge>> found(n);
-  pairs.each_row(
-      [&](std::uint32_t p, std::span<const Distance16> distances) {
-        struct Cheap {
-          std::uint32_t point;
-          std::int32_t cost, dearest_since;
-        };
-        std::vector<Cheap> cheap;
-        std::int32_t dearest = lowest;
-        for (std::uint32_t i = place[p] + 1; i < n; ++i) {
-          dearest = std::max(dearest, linkage.step[i]);
-          if (!cheap.empty())
-            cheap.back().dearest_since = std::max(cheap.back().dearest_since, linkage.step[i]);
-          const std::uint32_t q = linkage.points[i];
-          const std::int32_t cost = distances[q] * scale + potential[p] + potential[q];
-          if (cost >= dearest) continue;
-          // Of two such pairs the dearer is in no cheapest tree if the way between their ends is cheaper still.
-          while (!cheap.empty() && cheap.back().cost >= std::max(cost, cheap.back().dearest_since)) {
-            const std::int32_t since = cheap.back().dearest_since;
-            cheap.pop_back();
-            if (!cheap.empty()) cheap.back().dearest_since = std::max(cheap.back().dearest_since, since);
-          }
-          if (!cheap.empty() && cost >= std::max(cheap.back().cost, cheap.back().dearest_since)) continue;
-          cheap.push_back({q, cost, lowest});
-        }
-        for (const Cheap& c : cheap)
-          found[p].push_back({std::min(p, c.point), std::max(p, c.point), distances[c.point]});
-      },
-      threads);
+  pass([&](std::uint32_t p, std::span<const Distance16> distances) {
+    struct Cheap {
+      std::uint32_t point;
+      std::int32_t cost, dearest_since;
+    };
+    std::vector<Cheap> cheap;
+    std::int32_t dearest = lowest;
+    for (std::uint32_t i = place[p] + 1; i < n; ++i) {
+      dearest = std::max(dearest, linkage.step[i]);
+      if (!cheap.empty()) cheap.back().dearest_since = std::max(cheap.back().dearest_since, linkage.step[i]);
+      const std::uint32_t q = linkage.points[i];
+      const std::int32_t cost = distances[q] * scale + potential[p] + potential[q];
+      if (cost >= dearest) continue;
+      // Of two such pairs the dearer is in no cheapest tree if the way between their ends is cheaper still.
+      while (!cheap.empty() && cheap.back().cost >= std::max(cost, cheap.back().dearest_since)) {
+        const std::int32_t since = cheap.back().dearest_since;
+        cheap.pop_back();
+        if (!cheap.empty()) cheap.back().dearest_since = std::max(cheap.back().dearest_since, since);
+      }
+      if (!cheap.empty() && cost >= std::max(cheap.back().cost, cheap.back().dearest_since)) continue;
+      cheap.push_back({q, cost, lowest});
+    }
+    for (const Cheap& c : cheap)
+      found[p].push_back({std::min(p, c.point), std::max(p, c.point), distances[c.point]});
+  });
   std::vector<Edge> edges;
   for (const auto& of_point : found) edges.insert(edges.end(), of_point.begin(), of_point.end());
   return edges;
 }
 
 // Joins what is apart by the cheapest pairs, as in a cheapest spanning tree [Boruvka 1926].
-std::vector<Edge> joining_pairs(const PairDistances& pairs, const std::vector<std::int32_t>& potential,
-                                Components& components, unsigned threads) {
-  const std::uint32_t n = pairs.size();
+std::vector<Edge> joining_pairs(std::uint32_t n, const Pass& pass, const std::vector<std::int32_t>& potential,
+                                Components& components) {
   std::vector<Edge> edges;
   for (;;) {
     std::vector<std::uint32_t> component(n);
@@ -216,21 +215,18 @@ std::vector<Edge> joining_pairs(const PairDistances& pairs, const std::vector<st
       auto operator<=>(const Candidate&) const = default;
     };
     std::vector<Candidate> of_point(n), of_component(n);
-    pairs.each_row(
-        [&](std::uint32_t p, std::span<const Distance16> distances) {
-          std::int32_t least = std::numeric_limits<std::int32_t>::max();
-          std::uint32_t at = p;
-          for (std::uint32_t q = 0; q < n; ++q) {
-            const std::int32_t cost = distances[q] * scale + potential[q];
-            if (cost < least && component[q] != component[p]) {
-              least = cost;
-              at = q;
-            }
-          }
-          of_point[p] = {std::int64_t{least} + potential[p],
-                         {std::min(p, at), std::max(p, at), distances[at]}};
-        },
-        threads);
+    pass([&](std::uint32_t p, std::span<const Distance16> distances) {
+      std::int32_t least = std::numeric_limits<std::int32_t>::max();
+      std::uint32_t at = p;
+      for (std::uint32_t q = 0; q < n; ++q) {
+        const std::int32_t cost = distances[q] * scale + potential[q];
+        if (cost < least && component[q] != component[p]) {
+          least = cost;
+          at = q;
+        }
+      }
+      of_point[p] = {std::int64_t{least} + potential[p], {std::min(p, at), std::max(p, at), distances[at]}};
+    });
     for (std::uint32_t p = 0; p < n; ++p)
       of_component[component[p]] = std::min(of_component[component[p]], of_point[p]);
     for (std::uint32_t c = 0; c < n; ++c) {
@@ -245,36 +241,34 @@ std::vector<Edge> joining_pairs(const PairDistances& pairs, const std::vector<st
 }
 
 // The nearest few of each point; second[p] is the distance of the second nearest.
-std::vector<Edge> nearest_pairs(const PairDistances& pairs, std::uint32_t neighbours,
-                                std::vector<std::uint32_t>& second, unsigned threads) {
-  const std::uint32_t n = pairs.size(), k = std::min(neighbours, n - 1);
+std::vector<Edge> nearest_pairs(std::uint32_t n, const Pass& pass, std::uint32_t neighbours,
+                                std::vector<std::uint32_t>& second) {
+  const std::uint32_t k = std::min(neighbours, n - 1);
   std::vector<Edge> edges(std::size_t{n} * k);
   second.assign(n, 0);
-  pairs.each_row(
-      [&](std::uint32_t p, std::span<const Distance16> distances) {
-        std::vector<std::uint64_t> nearest;  // distance, then point
-        std::uint64_t limit = ~std::uint64_t{0};
-        const auto keep = [&] {
-          std::nth_element(nearest.begin(), nearest.begin() + k - 1, nearest.end());
-          nearest.resize(k);
-          limit = nearest[k - 1];
-        };
-        for (std::uint32_t q = 0; q < n; ++q) {
-          const std::uint64_t key = std::uint64_t{distances[q]} << 32 | q;
-          if (key >= limit || q == p) continue;
-          nearest.push_back(key);
-          if (nearest.size() == 4 * std::size_t{k}) keep();
-        }
-        if (nearest.size() > k) keep();
-        std::sort(nearest.begin(), nearest.end());
-        for (std::uint32_t i = 0; i < k; ++i) {
-          const auto q = static_cast<std::uint32_t>(nearest[i]);
-          edges[std::size_t{p} * k + i] = {std::min(p, q), std::max(p, q),
-                                           static_cast<std::uint32_t>(nearest[i] >> 32)};
-        }
-        second[p] = static_cast<std::uint32_t>(nearest[std::min(1u, k - 1)] >> 32);
-      },
-      threads);
+  pass([&](std::uint32_t p, std::span<const Distance16> distances) {
+    std::vector<std::uint64_t> nearest;  // distance, then point
+    std::uint64_t limit = ~std::uint64_t{0};
+    const auto keep = [&] {
+      std::nth_element(nearest.begin(), nearest.begin() + k - 1, nearest.end());
+      nearest.resize(k);
+      limit = nearest[k - 1];
+    };
+    for (std::uint32_t q = 0; q < n; ++q) {
+      const std::uint64_t key = std::uint64_t{distances[q]} << 32 | q;
+      if (key >= limit || q == p) continue;
+      nearest.push_back(key);
+      if (nearest.size() == 4 * std::size_t{k}) keep();
+    }
+    if (nearest.size() > k) keep();
+    std::sort(nearest.begin(), nearest.end());
+    for (std::uint32_t i = 0; i < k; ++i) {
+      const auto q = static_cast<std::uint32_t>(nearest[i]);
+      edges[std::size_t{p} * k + i] = {std::min(p, q), std::max(p, q),
+                                       static_cast<std::uint32_t>(nearest[i] >> 32)};
+    }
+    second[p] = static_cast<std::uint32_t>(nearest[std::min(1u, k - 1)] >> 32);
+  });
   return edges;
 }
 
@@ -290,11 +284,11 @@ std::vector<Edge> tour_edges(const SparsePoints& points, std::span<const std::ui
 // Climbs; remembers the best potentials on the graph as it is.
 class Ascent {
  public:
-  Ascent(std::vector<std::int32_t> start, std::int64_t known_length)
+  Ascent(std::vector<std::int32_t> start, double known_length)
       : potential_(std::move(start)),
         best_potential_(potential_),
         before_(potential_.size(), 2),
-        known_(static_cast<double>(known_length)) {}
+        known_(known_length) {}
 
   // False if there is nothing more to be gained on this graph.
   bool step(OneTrees& trees) {
@@ -304,7 +298,7 @@ class Ascent {
       best_potential_ = potential_;
       since_gain_ = 0;
     } else if (++since_gain_ >= 8) {
-      agility_ *= .7;
+      agility_ = agility_ < 1e-3 ? .3 : .7 * agility_;  // stuck: on with longer steps again
       since_gain_ = 0;
       potential_ = best_potential_;
     }
@@ -341,39 +335,53 @@ LowerBound held_karp_bound(const SparsePoints& points, std::span<const std::uint
   const std::uint32_t n = points.size();
   if (n < 2) return {n == 0 ? 0 : points.weight(0), {}};  // no 1-tree, and nothing to order
   const auto start = std::chrono::steady_clock::now();
-  const auto spent = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto in_time = [&] {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+    return options.seconds <= 0 || spent.count() < options.seconds;
   };
   const PairDistances pairs(points, options.pair_bytes, options.threads);
-  OneTrees trees(points);
-  trees.add(tour_edges(points, visits));
-  std::vector<std::uint32_t> second;
-  const auto nearest = nearest_pairs(pairs, options.neighbours, second, options.threads);
-  trees.add(nearest);
-  std::vector<std::int32_t> potential(n + 1, 0), degree;
-  for (std::uint32_t p = 0; p < n; ++p) potential[p] = -scale / 2 * static_cast<std::int32_t>(second[p]);
-  Components components(n);
-  for (const Edge& e : nearest) components.join(components.find(e.a), components.find(e.b));
-  trees.add(joining_pairs(pairs, potential, components, options.threads));
-
-  const auto known = static_cast<std::int64_t>(2 * scale * runs_of_visits(points, visits, options.threads));
-  Ascent ascent(std::move(potential), known);
+  struct OutOfTime {};
+  // Passes over pairs that are kept take a second at most, the others hours at 400,000 points.
+  const Pass pass = [&](const PairDistances::Take& take) {
+    pairs.each_row(
+        [&](std::uint32_t p, std::span<const Distance16> distances) {
+          if (!pairs.kept() && !in_time()) throw OutOfTime{};
+          take(p, distances);
+        },
+        options.threads);
+  };
   LowerBound bound;
-  for (std::uint32_t round = 0; options.seconds > 0 ? spent() < options.seconds : round < options.rounds;
-       ++round) {
-    for (std::uint32_t step = 0; step < options.steps && ascent.step(trees); ++step) {
+  try {
+    OneTrees trees(points);
+    trees.add(tour_edges(points, visits));
+    std::vector<std::uint32_t> second;
+    const auto nearest = nearest_pairs(n, pass, options.neighbours, second);
+    trees.add(nearest);
+    std::vector<std::int32_t> potential(n + 1, 0), degree;
+    for (std::uint32_t p = 0; p < n; ++p) potential[p] = -scale / 2 * static_cast<std::int32_t>(second[p]);
+    Components components(n);
+    for (const Edge& e : nearest) components.join(components.find(e.a), components.find(e.b));
+    trees.add(joining_pairs(n, pass, potential, components));
+
+    Ascent ascent(std::move(potential),
+                  2 * scale * static_cast<double>(runs_of_visits(points, visits, options.threads)));
+    for (std::uint32_t round = 0; options.seconds > 0 ? round == 0 || in_time() : round < options.rounds;
+         ++round) {
+      for (std::uint32_t step = 0; step < options.steps && ascent.step(trees); ++step) {
+      }
+      const auto& best = ascent.best_potential();
+      OneTrees priced = trees;
+      priced.add(cheap_pairs(n, pass, best, Linkage(trees, best)));
+      std::vector<Edge> tree;
+      const std::int64_t length =
+          priced.cheapest(best, degree, [&](auto, auto, auto, const Edge& edge) { tree.push_back(edge); });
+      trees.add(tree);
+      ascent.revalue(length);
+      if (length > 0)
+        bound.runs = std::max(bound.runs, static_cast<std::uint64_t>((length + 2 * scale - 1) / (2 * scale)));
+      bound.history.push_back(bound.runs);
     }
-    OneTrees priced = trees;
-    priced.add(cheap_pairs(pairs, ascent.best_potential(), Linkage(trees, ascent.best_potential()),
-                           options.threads));
-    std::vector<Edge> tree;
-    const std::int64_t length = priced.cheapest(
-        ascent.best_potential(), degree, [&](auto, auto, auto, const Edge& edge) { tree.push_back(edge); });
-    trees.add(tree);
-    ascent.revalue(length);
-    if (length > 0)
-      bound.runs = std::max(bound.runs, static_cast<std::uint64_t>((length + 2 * scale - 1) / (2 * scale)));
-    bound.history.push_back(bound.runs);
+  } catch (const OutOfTime&) {  // what is proven stands
   }
   return bound;
 }

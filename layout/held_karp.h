@@ -12,7 +12,8 @@ struct HeldKarpOptions {
   std::uint32_t rounds = 8;       // of ascent and pricing
   std::uint32_t steps = 50;       // of ascent a round
   std::uint32_t neighbours = 10;  // of each point in the graph that the ascent begins with
-  /// If above 0, as many rounds as that allows: the bound then depends on the machine's speed.
+  /// If above 0, as many rounds as that allows, none where not even one is to be had: the bound then depends on
+  /// the machine's speed.
   double seconds = 0;
   /// Where all pairs take no more than that they are kept, else computed anew for each pricing.
   std::uint64_t pair_bytes = std::uint64_t{2} << 30;

@@ -16,13 +16,11 @@ namespace {
 constexpr std::uint32_t most = std::numeric_limits<Distance16>::max();
 constexpr std::uint32_t strip = 8;  // points a task
 
-using Row = std::function<void(std::uint32_t, std::span<const Distance16>)>;
-
 Distance16 cut(std::uint32_t distance) {
   return static_cast<Distance16>(std::min(distance, most));
 }
 
-void rows_from_bits(const BitRows& bits, const Row& take, unsigned threads) {
+void rows_from_bits(const BitRows& bits, const PairDistances::Take& take, unsigned threads) {
   const std::uint32_t count = bits.shape().rows;
   parallel_for((count + strip - 1) / strip, threads, [&](std::uint64_t s) {
     const auto first = static_cast<std::uint32_t>(s * strip), end = std::min(count, first + strip);
@@ -39,7 +37,8 @@ void rows_from_bits(const BitRows& bits, const Row& take, unsigned threads) {
 // Count is wide enough for any weight.
 template <typename Count>
 void rows_from_index(const SparsePoints& points, const std::vector<std::uint64_t>& first_of_row,
-                     const std::vector<std::uint32_t>& points_of_row, const Row& take, unsigned threads) {
+                     const std::vector<std::uint32_t>& points_of_row, const PairDistances::Take& take,
+                     unsigned threads) {
   const std::uint32_t count = points.size();
   std::vector<std::uint32_t> weights(count);
   for (std::uint32_t p = 0; p < count; ++p) weights[p] = points.weight(p);
@@ -97,7 +96,7 @@ PairDistances::PairDistances(const SparsePoints& points, std::uint64_t most_byte
   points_of_row_ = {};
 }
 
-void PairDistances::make_rows(const Row& take, unsigned threads) const {
+void PairDistances::make_rows(const Take& take, unsigned threads) const {
   if (bits_.shape().rows > 0) {
     rows_from_bits(bits_, take, threads);
     return;
@@ -110,7 +109,7 @@ void PairDistances::make_rows(const Row& take, unsigned threads) const {
     rows_from_index<std::uint32_t>(points_, first_of_row_, points_of_row_, take, threads);
 }
 
-void PairDistances::each_row(const Row& take, unsigned threads) const {
+void PairDistances::each_row(const Take& take, unsigned threads) const {
   if (!kept()) {
     make_rows(take, threads);
     return;

@@ -24,13 +24,12 @@ class PairDistances {
 
   std::uint32_t size() const { return points_.size(); }
   bool kept() const { return !table_.empty(); }
-  /// take(point, its distances to all) for each point, on several threads, in no fixed order.
-  void each_row(const std::function<void(std::uint32_t, std::span<const Distance16>)>& take,
-                unsigned threads = 0) const;
+  /// Told each point with its distances to all, on several threads, in no fixed order.
+  using Take = std::function<void(std::uint32_t, std::span<const Distance16>)>;
+  void each_row(const Take& take, unsigned threads = 0) const;
 
  private:
-  void make_rows(const std::function<void(std::uint32_t, std::span<const Distance16>)>& take,
-                 unsigned threads) const;
+  void make_rows(const Take& take, unsigned threads) const;
 
   const SparsePoints& points_;
   BitRows bits_;                             // if that is the cheaper way,

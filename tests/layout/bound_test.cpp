@@ -192,6 +192,13 @@ TEST(HeldKarp, SameBoundForAnyThreadsAndWhetherPairsAreKept) {
   EXPECT_EQ(made_anew.history, first.history);
 }
 
+TEST(HeldKarp, StopsInTimeWithWhatIsProven) {
+  const auto m = generate_delta_scene(power_plant_scene(1. / 512));
+  const SparsePoints points(m);
+  EXPECT_TRUE(held_karp_bound(points, in_order(points), {.seconds = 1e-9, .pair_bytes = 0}).history.empty());
+  EXPECT_EQ(held_karp_bound(points, in_order(points), {.seconds = 1e-9}).history.size(), 1u);
+}
+
 TEST(LowerBound, IsTightOnAPlantedOrder) {  // column c sees rows c and c + 1
   std::vector<std::vector<std::uint32_t>> rows(41);
   for (std::uint32_t c = 0; c < 40; ++c) {
