@@ -25,20 +25,53 @@ std::uint64_t hash(std::span<const std::uint32_t> ids) {
 
 }  // namespace
 
-SparsePoints::SparsePoints(const VisibilityMatrix& matrix, bool collapse) : columns_(transpose(matrix)) {
-  const std::uint32_t count = columns_.shape().rows;
-  twin_.assign(count, none);
-  if (!collapse) {
-    column_of_point_.resize(count);
+SparsePoints::SparsePoints(const VisibilityMatrix& matrix, bool collapse)
+    : shape_(matrix.shape()), in_memory_(transpose(matrix)) {
+  if (collapse) {
+    find_points();
+  } else {
+    twin_.assign(shape_.columns, none);
+    column_of_point_.resize(shape_.columns);
     std::iota(column_of_point_.begin(), column_of_point_.end(), 0u);
-    return;
   }
+}
+
+SparsePoints::SparsePoints(const VisibilityMatrix& matrix, const std::filesystem::path& folder,
+                           std::uint64_t buffer_bytes)
+    : shape_(matrix.shape()), on_disk_(folder), offsets_(std::size_t{shape_.columns} + 1, 0) {
+  for (std::uint32_t r = 0; r < shape_.rows; ++r) {
+    for (const std::uint32_t c : matrix.row(r)) ++offsets_[c + 1];
+  }
+  std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
+  std::vector<std::uint32_t> ids;
+  std::vector<std::uint64_t> next;
+  for (std::uint32_t first = 0, end; first < shape_.columns; first = end) {
+    const auto after = std::upper_bound(offsets_.begin() + first + 1, offsets_.end(),
+                                        offsets_[first] + buffer_bytes / sizeof ids[0]);
+    end = std::max(first + 1, static_cast<std::uint32_t>(after - offsets_.begin()) - 1);
+    ids.resize(offsets_[end] - offsets_[first]);
+    next.assign(offsets_.begin() + first, offsets_.begin() + end);
+    for (std::uint32_t r = 0; r < shape_.rows; ++r) {
+      const auto row = matrix.row(r);
+      for (auto c = std::lower_bound(row.begin(), row.end(), first); c != row.end() && *c < end; ++c)
+        ids[next[*c - first]++ - offsets_[first]] = r;
+    }
+    on_disk_.append(ids);
+  }
+  on_disk_.map();
+  find_points();
+}
+
+// Which columns are equal, which are empty.
+void SparsePoints::find_points() {
+  const std::uint32_t count = shape_.columns;
+  twin_.assign(count, none);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
   for (std::uint32_t c = 0; c < count; ++c) {
-    if (columns_.row(c).empty())
+    if (of_column(c).empty())
       empty_.push_back(c);
     else
-      keys.emplace_back(hash(columns_.row(c)), c);
+      keys.emplace_back(hash(of_column(c)), c);
   }
   std::sort(keys.begin(), keys.end());
   std::vector<std::uint32_t> last;  // of each kind among equal hashes, the column found last
@@ -46,7 +79,7 @@ SparsePoints::SparsePoints(const VisibilityMatrix& matrix, bool collapse) : colu
     if (i == 0 || keys[i].first != keys[i - 1].first) last.clear();
     const std::uint32_t c = keys[i].second;
     const auto same = std::find_if(last.begin(), last.end(), [&](std::uint32_t other) {
-      const auto a = columns_.row(c), b = columns_.row(other);
+      const auto a = of_column(c), b = of_column(other);
       return std::equal(a.begin(), a.end(), b.begin(), b.end());
     });
     if (same == last.end()) {
@@ -74,7 +107,7 @@ std::uint32_t SparsePoints::distance(std::uint32_t a, std::uint32_t b) const {
 
 Permutation SparsePoints::order_of_columns(std::span<const std::uint32_t> points) const {
   std::vector<std::uint32_t> order;
-  order.reserve(columns_.shape().rows);
+  order.reserve(shape_.columns);
   for (const std::uint32_t p : points) {
     for (std::uint32_t c = column_of_point_[p]; c != none; c = twin_[c]) order.push_back(c);
   }
@@ -83,7 +116,7 @@ Permutation SparsePoints::order_of_columns(std::span<const std::uint32_t> points
 }
 
 std::vector<std::uint32_t> SparsePoints::visits_of_order(const Permutation& order) const {
-  std::vector<std::uint32_t> point_of_column(columns_.shape().rows, none), visits;
+  std::vector<std::uint32_t> point_of_column(shape_.columns, none), visits;
   for (std::uint32_t p = 0; p < size(); ++p) point_of_column[column_of_point_[p]] = p;
   visits.reserve(size());
   for (const std::uint32_t c : order.old_of_new()) {

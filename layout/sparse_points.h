@@ -2,10 +2,12 @@
 // ColumnPoints.
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <vector>
 
 #include "matrix/permutation.h"
+#include "matrix/scratch_ids.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {
@@ -16,14 +18,18 @@ namespace vismat {
 class SparsePoints {
  public:
   explicit SparsePoints(const VisibilityMatrix& matrix, bool collapse = true);
+  /// Out of core: the ones in a temporary file in `folder`, written by way of about `buffer_bytes` in one scan of the matrix for
+  /// each buffer full. Throws std::runtime_error where there is no room.
+  SparsePoints(const VisibilityMatrix& matrix, const std::filesystem::path& folder,
+               std::uint64_t buffer_bytes);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(column_of_point_.size()); }
-  std::uint32_t rows() const { return columns_.shape().columns; }
+  std::uint32_t rows() const { return shape_.rows; }
   std::uint32_t zero() const { return size(); }
   /// The ones of a point, ascending.
   std::span<const std::uint32_t> ones(std::uint32_t point) const {
     if (point == zero()) return {};
-    return columns_.row(column_of_point_[point]);
+    return of_column(column_of_point_[point]);
   }
   std::uint32_t weight(std::uint32_t point) const { return static_cast<std::uint32_t>(ones(point).size()); }
   /// By merging: O(weight(a) + weight(b)).
@@ -36,7 +42,15 @@ class SparsePoints {
   std::vector<std::uint32_t> visits_of_order(const Permutation& order) const;
 
  private:
-  VisibilityMatrix columns_;
+  void find_points();
+  std::span<const std::uint32_t> of_column(std::uint32_t column) const {
+    if (offsets_.empty()) return in_memory_.row(column);
+    return on_disk_.ids().subspan(offsets_[column], offsets_[column + 1] - offsets_[column]);
+  }
+  Shape shape_;
+  VisibilityMatrix in_memory_;  // the matrix transposed, or else
+  ScratchIds on_disk_;          // the ids of that
+  std::vector<std::uint64_t> offsets_;
   std::vector<std::uint32_t> column_of_point_;
   std::vector<std::uint32_t> twin_;  // of a column: the next one equal to it, or `none`
   std::vector<std::uint32_t> empty_;

@@ -1,4 +1,4 @@
-// Sparse points, their sketches and near neighbours, against distances counted plainly.
+// Sketches of points and near neighbours, against distances counted plainly.
 #include "layout/sketch.h"
 
 #include <gtest/gtest.h>
@@ -6,49 +6,11 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "layout/cost.h"
 #include "matrix/generate.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {
 namespace {
-
-TEST(SparsePoints, DistancesAreThoseOfTheBitVectors) {
-  for (const auto& m : test::assorted_matrices()) {
-    const ColumnPoints dense(m.matrix);
-    const SparsePoints sparse(m.matrix, false);
-    ASSERT_EQ(sparse.size(), dense.size()) << m.name;
-    Random random(1);
-    for (int trial = 0; trial < 200; ++trial) {
-      const std::uint32_t a = random.below(dense.size() + 1), b = random.below(dense.size() + 1);
-      EXPECT_EQ(sparse.distance(a, b), dense.distance(a, b)) << m.name;
-    }
-  }
-}
-
-TEST(SparsePoints, CollapseEqualColumnsAndDropEmptyOnes) {
-  const auto m = VisibilityMatrix::from_rows({{0, 2, 5}, {0, 2}, {4, 5}}, 7);  // 0 = 2; 1, 3 and 6 are empty
-  const SparsePoints points(m);
-  ASSERT_EQ(points.size(), 3u);
-  EXPECT_EQ(points.column(0), 0u);
-  EXPECT_EQ(points.column(1), 4u);
-  EXPECT_EQ(points.column(2), 5u);
-  const std::uint32_t visits[] = {1, 0, 2};
-  EXPECT_EQ(points.order_of_columns(visits).old_of_new(), (std::vector<std::uint32_t>{4, 0, 2, 5, 1, 3, 6}));
-}
-
-TEST(SparsePoints, RunsAreThoseOfTheReorderedMatrix) {
-  for (const auto& m : test::assorted_matrices()) {
-    for (const bool collapse : {false, true}) {
-      const SparsePoints points(m.matrix, collapse);
-      std::vector<std::uint32_t> visits(points.size());
-      for (std::uint32_t p = 0; p < points.size(); ++p) visits[p] = points.size() - 1 - p;
-      const auto reordered =
-          permute(m.matrix, Permutation::identity(m.matrix.shape().rows), points.order_of_columns(visits));
-      EXPECT_EQ(runs_of_visits(points, visits), count_runs(reordered)) << m.name;
-    }
-  }
-}
 
 TEST(ColumnSketches, NeverExceedTheDistance) {
   const auto m = test::clustered_matrix({3000, 200}, 4);

@@ -1,0 +1,36 @@
+// Ids by the thousand million, on disk instead of in memory.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace vismat {
+
+/// An array of ids in a temporary file without a name, so that nothing is left of it however the program ends. Written from
+/// front to back, then read by way of the system's page cache, which gives memory back when others need it.
+class ScratchIds {
+ public:
+  ScratchIds() = default;
+  /// In `folder`. Throws std::runtime_error, as append and map do, naming the folder and the system's reason.
+  explicit ScratchIds(std::filesystem::path folder);
+  ~ScratchIds();
+  ScratchIds(ScratchIds&& other) noexcept { swap(other); }
+  ScratchIds& operator=(ScratchIds&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+
+  void append(std::span<const std::uint32_t> ids);
+  /// No more are appended after.
+  void map();
+  std::span<const std::uint32_t> ids() const { return {data_, size_}; }
+
+ private:
+  void swap(ScratchIds& other) noexcept;
+  std::filesystem::path folder_;
+  int file_ = -1;
+  const std::uint32_t* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace vismat
