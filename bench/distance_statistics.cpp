@@ -25,6 +25,7 @@
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
 #include "matrix/generate.h"
+#include "matrix/parallel.h"
 #include "matrix/random.h"
 
 namespace {
@@ -75,33 +76,51 @@ double share_with_an_equal(const DistinctColumns& distinct) {
   return 1 - static_cast<double>(std::count(of_kind.begin(), of_kind.end(), 1u)) / columns;
 }
 
+// Shares within twice and within multiples of the nearest one's distance, means over random points of random
+// subsets. Trials are independent, so their number of threads changes nothing.
+struct Shares {
+  double twice = 0;
+  std::vector<double> within = std::vector<double>(25, 0.);
+};
+
+double multiple(std::size_t i) {
+  return std::exp2(static_cast<double>(i) / 4);  // up to 64
+}
+
+Shares mean_shares(const ColumnPoints& points, std::uint32_t size, const Options& options) {
+  std::vector<Shares> trials(options.trials);
+  parallel_for(options.trials, 0, [&](std::uint64_t trial) {
+    Random random(options.seed, trial);
+    const auto distances = distances_of_first(points, some_of(points.size(), size, random));
+    Shares& shares = trials[trial];
+    shares.twice = share_within(distances, 2. * distances.front());
+    for (std::size_t i = 0; i < shares.within.size(); ++i)
+      shares.within[i] = share_within(distances, distances.front() * multiple(i));
+  });
+  Shares mean;
+  for (const Shares& shares : trials) {
+    mean.twice += shares.twice / options.trials;
+    for (std::size_t i = 0; i < mean.within.size(); ++i) mean.within[i] += shares.within[i] / options.trials;
+  }
+  return mean;
+}
+
 void add_matrix(const std::string& name, const VisibilityMatrix& matrix, const Options& options,
                 Tables& tables) {
   const DistinctColumns distinct = distinct_columns(matrix);
   const ColumnPoints points(distinct.matrix);
   if (points.size() < 2) return;
-  constexpr double widest = 64, step = 1.25;
-  std::vector<double> within(static_cast<std::size_t>(std::log(widest) / std::log(step)) + 2, 0.);
-  Random random(options.seed);
-  double alpha = 0;
+  Shares shares;
   for (std::uint32_t size = std::min(64u, points.size());; size = std::min(2 * size, points.size())) {
-    double twice = 0;
-    for (std::uint32_t trial = 0; trial < options.trials; ++trial) {
-      const auto distances = distances_of_first(points, some_of(points.size(), size, random));
-      twice += share_within(distances, 2. * distances.front());
-      if (size < points.size()) continue;
-      for (std::size_t i = 0; i < within.size(); ++i)
-        within[i] += share_within(distances, distances.front() * std::pow(step, i));
-    }
-    alpha = twice / options.trials;
+    shares = mean_shares(points, size, options);
     tables.density += csv_line(name, matrix.shape().columns, points.size(), share_with_an_equal(distinct),
-                               size, alpha, options.trials);
+                               size, shares.twice, options.trials);
     if (size == points.size()) break;
   }
-  for (std::size_t i = 0; i < within.size(); ++i)
-    tables.radius += csv_line(name, std::pow(step, i), within[i] / options.trials, options.trials);
+  for (std::size_t i = 0; i < shares.within.size(); ++i)
+    tables.radius += csv_line(name, multiple(i), shares.within[i], options.trials);
   std::printf("%-24s %8u columns, %8u distinct: %6.2f %% of them within twice the nearest one's distance\n",
-              name.c_str(), matrix.shape().columns, points.size(), 100 * alpha);
+              name.c_str(), matrix.shape().columns, points.size(), 100 * shares.twice);
   std::fflush(stdout);
 }
 

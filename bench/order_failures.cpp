@@ -195,7 +195,8 @@ std::string shapes(const Options& options) {
 
 std::string samples(const std::vector<Named>& matrices) {
   std::string csv =
-      "matrix,columns,samples,neighbours,flips,runs,exact_tour,random,bound,seconds,cpu_seconds\n";
+      "matrix,columns,one_in,samples,k_one_in,neighbours,flips,runs,exact_tour,random,bound,seconds,cpu_"
+      "seconds\n";
   for (const Named& m : matrices) {
     const std::uint32_t columns = m.matrix.shape().columns;
     const auto exact = runs_in(m.matrix, find_reordering("exact-tour").order_columns(m.matrix, {}));
@@ -209,7 +210,7 @@ std::string samples(const std::vector<Named>& matrices) {
           const double start = wall_seconds(), cpu = processor_seconds();
           const Permutation order =
               order_by_sampled_tour(m.matrix, {.neighbours = k, .samples = sampled, .flip_edges = flips});
-          csv += csv_line(m.name, columns, sampled, k, flips, runs_in(m.matrix, order), exact,
+          csv += csv_line(m.name, columns, share, sampled, part, k, flips, runs_in(m.matrix, order), exact,
                           mean_runs_of_random(m.matrix), bound, wall_seconds() - start,
                           processor_seconds() - cpu);
         }

@@ -6,10 +6,8 @@
 
 The notebook imports the same functions. Nothing here measures: every figure is read, and every ratio is table size / bytes.
 """
-import base64
 import html
 import pathlib
-import subprocess
 import sys
 import textwrap
 from dataclasses import dataclass
@@ -21,8 +19,8 @@ if __name__ == "__main__":
 import matplotlib.pyplot as plt
 import pandas as pd
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-PUBLISHED = ROOT / "bench" / "published"
+import report_tools as tools
+from report_tools import OURS, PUBLISHED, THEIRS, bare, plain_ticks, to_html, to_text
 
 # What the paper calls each row of Table 2. It measured Huffman codes for methods 3 and 4 after the greedy order of the view
 # cells, so those are compared; it only calculated what arithmetic coding would give (13-15 % less for method 3), and only
@@ -37,9 +35,6 @@ MEASURED = {("zach3-huffman", "greedy"): "zach3", ("zach4-huffman", "greedy"): "
             **{(codec, "natural"): codec for codec in ("bitmap", "quake-rle", "gzip", "bzip2", "zach0", "zach1", "zach2")}}
 SCENES = {"artificial-1": "artificial 1", "artificial-2": "artificial 2", "inner-city": "inner city", "complete": "complete"}
 FAR = 4 / 3  # a ratio further than this from the published one is explained in the notebook
-
-OURS = dict(facecolor="#1f4e79", edgecolor="#1f4e79")
-THEIRS = dict(facecolor="white", edgecolor="#333333", hatch="////", linewidth=0.8)
 
 
 @dataclass
@@ -208,31 +203,14 @@ def cost_of_repeats(results):
                          "bzip2's bytes for them, %": 100 * (1 - results.structure["bzip2_distinct"] / whole)})
 
 
-def to_text(table):
-    """Aligned columns, the first to the left and the others to the right; a column's name may have several lines."""
-    names = [str(column).split("\n") for column in table.columns]
-    height = max(map(len, names))
-    head = [list(line) for line in zip(*([""] * (height - len(name)) + name for name in names))]
-    body = [list(map(str, row)) for row in table.itertuples(index=False)]
-    widths = [max(map(len, column)) for column in zip(*head, *body)]
-    lines = ["  ".join(cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths))).rstrip()
-             for row in [*head, ["-" * w for w in widths], *body]]
-    return "\n".join(lines)
-
-
 # ---- charts ----------------------------------------------------------------------------------------------------------------
-
-def _bare(axes):
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.set_axisbelow(True)
-
 
 def draw_ratios(results):
     """Bars, a panel an artificial scene: our ratio beside the published one."""
     figure, panels = plt.subplots(1, max(1, len(results.artificial)), figsize=(5.6 * max(1, len(results.artificial)), 4),
                                   squeeze=False, layout="constrained")
     for axes, name in zip(panels[0], results.artificial):
-        _bare(axes)
+        bare(axes)
         for i, codec in enumerate(METHODS):
             for offset, table, style in ((-0.2, results.sizes, OURS), (0.2, results.published_sizes, THEIRS)):
                 ratio = table["ratio"].get((name, codec), float("nan"))
@@ -253,7 +231,7 @@ def draw_levels(results):
     """A dot a level and method, the median as a bar; the paper's two real scenes beside them."""
     methods = {**METHODS, **OURS_ONLY}
     figure, axes = plt.subplots(figsize=(10, 4.6), layout="constrained")
-    _bare(axes)
+    bare(axes)
     for i, codec in enumerate(methods):
         ratios = sorted(r for (name, c), r in results.sizes["ratio"].items() if c == codec and name not in SCENES)
         spread = [i + 0.28 * ((k % 7) / 3 - 1) for k in range(len(ratios))]
@@ -265,7 +243,7 @@ def draw_levels(results):
                 axes.scatter(i + 0.42, results.published_sizes["ratio"][(name, codec)], s=34, marker=marker, facecolors="white",
                              edgecolors="#333333", zorder=3)
     axes.set_yscale("log")
-    _plain_ticks(axes.yaxis, "x")
+    plain_ticks(axes.yaxis, "x")
     axes.set_ylabel("table size / compressed size")
     axes.set_xticks(range(len(methods)), [textwrap.fill(label.replace(",", ""), 10) for label in methods.values()], fontsize=9)
     axes.grid(axis="y", which="both", color="#e6e6e6")
@@ -280,7 +258,7 @@ def draw_levels(results):
 def draw_bytes_against_visibility(results):
     """Each matrix's bytes over how much of it is visible: the table, gzip and method 3 on one vertical line."""
     figure, axes = plt.subplots(figsize=(9, 6.4), layout="constrained")
-    _bare(axes)
+    bare(axes)
     markers = {"bitmap": "_", "gzip": "x", "zach3": "o"}
     labels = []
     few = len(results.levels) <= 16
@@ -301,7 +279,7 @@ def draw_bytes_against_visibility(results):
     axes.set_xscale("log")
     axes.set_yscale("log")
     _label_above(axes, labels)
-    _plain_ticks(axes.xaxis, " %", (1, 1.5, 2, 3, 5, 7))
+    plain_ticks(axes.xaxis, " %", (1, 1.5, 2, 3, 5, 7))
     axes.set_xlabel("average visibility: ones / (rows x columns), per cent")
     axes.set_ylabel("bytes")
     axes.grid(which="major", color="#e6e6e6")
@@ -328,12 +306,6 @@ def _label_above(axes, labels, gap=0.042):
                   rotation_mode="anchor")
 
 
-def _plain_ticks(axis, unit, steps=(1, 2, 5)):
-    axis.set_major_locator(matplotlib.ticker.LogLocator(subs=steps))
-    axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda value, _: f"{value:g}{unit}"))
-    axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
-
-
 CHARTS = {
     "ratios": ("Compression ratio on the artificial scenes", draw_ratios),
     "levels": ("Compression ratio on real levels", draw_levels),
@@ -342,28 +314,6 @@ CHARTS = {
 
 
 # ---- the page --------------------------------------------------------------------------------------------------------------
-
-def provenance():
-    """Machine, compiler and commit, as lines."""
-    def first_line(*command):
-        try:
-            return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()[0]
-        except (OSError, subprocess.CalledProcessError, IndexError):
-            return "unknown"
-
-    def line_of(path, key):
-        try:
-            return next((line for line in path.read_text().splitlines() if line.startswith(key)), "")
-        except OSError:
-            return ""
-
-    cpu = line_of(pathlib.Path("/proc/cpuinfo"), "model name").partition(":")[2].strip() or "unknown"
-    memory = line_of(pathlib.Path("/proc/meminfo"), "MemTotal").split()
-    compiler = line_of(ROOT / "build/release/CMakeCache.txt", "CMAKE_CXX_COMPILER:").partition("=")[2] or "c++"
-    return [f"machine: {cpu}, {first_line('nproc')} cores" + (f", {int(memory[1]) / 2**20:.0f} GB" if len(memory) > 1 else ""),
-            f"compiler: {first_line(compiler, '--version')}, CMake preset release",
-            f"commit: {first_line('git', 'describe', '--always', '--dirty')} of {first_line('git', 'log', '-1', '--format=%cs')}"]
-
 
 def text(results):
     parts = ["Table 1: scenes", to_text(table1(results)), "", "Table 2: lossless compression", to_text(table2(results)), "",
@@ -384,33 +334,10 @@ The range-coded variants are what the paper calculated but did not build. <b>Pub
 of other data: the artificial scenes are rebuilt from the paper's words, the city of Graz is not to be had, and the levels
 (clusters or sectors by clusters, sectors or faces, under a tree of bounding boxes) are ours alone."""
 
-STYLE = """body{max-width:74rem;margin:2rem auto;padding:0 1.5rem;background:#fff;color:#1a1a1a;font:16px/1.55 Georgia,serif}
-h1,h2,table,figcaption,footer{font-family:system-ui,"DejaVu Sans",sans-serif}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2.2rem}
-p{max-width:46rem}.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.8rem;font-variant-numeric:tabular-nums}
-th{border-bottom:2px solid #444;text-align:right;vertical-align:bottom}td{border-bottom:1px solid #ddd;text-align:right;white-space:nowrap}
-th,td{padding:.28rem .55rem}th:first-child,td:first-child{text-align:left}.words td{text-align:left}td.published,th.published{background:#f2f2f2;font-style:italic}
-tr.published td{background:#f2f2f2;font-style:italic}figure{margin:1rem 0}img{max-width:100%}footer{margin-top:2.5rem;font-size:.8rem;color:#444}"""
-
-
-def to_html(table):
-    def cells(tag, row, classes):
-        return "".join(f'<{tag}{c}>{html.escape(str(cell))}</{tag}>' for cell, c in zip(row, classes))
-
-    mark = ' class="published"'
-    classes = [mark if str(column).endswith("published") else "" for column in table.columns]
-    body = "".join(f"<tr{mark if 'published' in map(str, row) else ''}>{cells('td', row, classes)}</tr>\n"
-                   for row in table.itertuples(index=False))
-    return f'<div class="wide"><table><thead><tr>{cells("th", table.columns, classes)}</tr></thead>\n<tbody>{body}</tbody></table></div>'
-
-
 def page(results, charts):
     """One HTML page that needs no other file; charts maps a caption to PNG bytes."""
-    figures = "".join(f'<figure><img alt="{html.escape(caption)}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
-                      f"<figcaption>{html.escape(caption)}</figcaption></figure>\n" for caption, png in charts.items())
     levels = f"<h2>Table 2 on real levels: ratio</h2>\n{to_html(table2_levels(results))}\n" if results.levels else ""
-    return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>vismat: Zach and Karner 2003</title><style>{STYLE}</style></head><body>
-<h1>Compressed visibility: Zach and Karner 2003, Tables 1 and 2</h1>
+    return tools.page("vismat: Zach and Karner 2003", f"""<h1>Compressed visibility: Zach and Karner 2003, Tables 1 and 2</h1>
 <p>{HOW_TO_READ}</p>
 <h2>Table 1: scenes</h2>
 {to_html(table1(results))}
@@ -419,9 +346,7 @@ def page(results, charts):
 <h2>What each size contains</h2>
 <table class="words">{"".join(f"<tr><td>{html.escape(row)}</td><td>{html.escape(holds)}</td></tr>" for row, holds in contents(results))}</table>
 {levels}<h2>Charts</h2>
-{figures}<footer>{"<br>".join(map(html.escape, provenance()))}</footer>
-</body></html>
-"""
+{"".join(tools.figure(caption, png) for caption, png in charts.items())}""")
 
 
 def main(out):
@@ -436,7 +361,7 @@ def main(out):
         plt.close(figure)
         charts[caption] = (out / f"{name}.png").read_bytes()
     (out / "report.html").write_text(page(results, charts))
-    (out / "zach2003.txt").write_text("\n".join([text(results), "", *provenance(), ""]))
+    (out / "zach2003.txt").write_text("\n".join([text(results), "", *tools.provenance(), ""]))
     print(text(results))
 
 
