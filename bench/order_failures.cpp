@@ -30,7 +30,7 @@
 #include "layout/cost.h"
 #include "layout/reordering.h"
 #include "layout/sampled_tour.h"
-#include "layout/simple_orders.h"
+#include "layout/random_order.h"
 #include "layout/sketch.h"
 #include "layout/sparse_points.h"
 #include "matrix/atomic_file.h"

@@ -23,7 +23,7 @@
 #include "layout/held_karp.h"
 #include "layout/nearest_bound.h"
 #include "layout/sampled_tour.h"
-#include "layout/sparse_tour.h"
+#include "layout/scale_tour.h"
 #include "matrix/atomic_file.h"
 #include "matrix/generate.h"
 #include "matrix/random.h"

@@ -2,32 +2,44 @@
 
 #include <algorithm>
 #include <numeric>
-#include <unordered_map>
 #include <utility>
 
 namespace vismat {
+namespace {
+
+VisibilityMatrix matrix_of(const SparsePoints& points, std::uint32_t empty_columns) {
+  std::vector<std::uint64_t> offsets = {0};
+  std::vector<std::uint32_t> rows;
+  for (std::uint32_t p = 0; p < points.size(); ++p) {
+    rows.insert(rows.end(), points.ones(p).begin(), points.ones(p).end());
+    offsets.push_back(rows.size());
+  }
+  offsets.insert(offsets.end(), empty_columns, rows.size());
+  return transpose(VisibilityMatrix::from_csr({points.size() + empty_columns, points.rows()},
+                                              std::move(offsets), std::move(rows)));
+}
+
+}  // namespace
+
+VisibilityMatrix matrix_of(const SparsePoints& points) {
+  return matrix_of(points, 0);
+}
 
 DistinctColumns distinct_columns(const VisibilityMatrix& matrix) {
-  const VisibilityMatrix columns = transpose(matrix);
+  const SparsePoints points(matrix);
+  std::vector<std::uint32_t> all(points.size());
+  std::iota(all.begin(), all.end(), 0u);
+  std::vector<bool> empty(matrix.shape().columns, true);
+  for (const std::uint32_t c : matrix.ids()) empty[c] = false;
   DistinctColumns result;
-  std::unordered_multimap<std::uint64_t, std::uint32_t> kind_of_hash;
-  std::vector<std::uint32_t> first_of_kind;
-  for (std::uint32_t c = 0; c < columns.shape().rows; ++c) {
-    const auto rows = columns.row(c);
-    std::uint64_t hash = 0xcbf29ce484222325u;
-    for (const std::uint32_t r : rows) hash = (hash ^ r) * 0x9e3779b97f4a7c15u;
-    auto [place, end] = kind_of_hash.equal_range(hash);
-    while (place != end && !std::ranges::equal(columns.row(first_of_kind[place->second]), rows)) ++place;
-    if (place == end) {
-      place = kind_of_hash.emplace(hash, static_cast<std::uint32_t>(first_of_kind.size()));
-      first_of_kind.push_back(c);
-    }
-    result.distinct_of_column.push_back(place->second);
+  result.distinct_of_column.assign(matrix.shape().columns, points.size());  // what empty ones keep
+  std::uint32_t begun = 0;                                                  // kinds
+  for (const std::uint32_t c : points.order_of_columns(all).old_of_new()) {
+    if (empty[c]) break;
+    begun += begun < points.size() && c == points.column(begun);
+    result.distinct_of_column[c] = begun - 1;
   }
-  std::vector<std::vector<std::uint32_t>> kinds;
-  for (const std::uint32_t c : first_of_kind)
-    kinds.emplace_back(columns.row(c).begin(), columns.row(c).end());
-  result.matrix = transpose(VisibilityMatrix::from_rows(kinds, matrix.shape().rows));
+  result.matrix = matrix_of(points, std::find(empty.begin(), empty.end(), true) != empty.end());
   return result;
 }
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "layout/column_points.h"
-#include "layout/tour.h"
+#include "layout/polished_tour.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 

@@ -145,7 +145,7 @@ Permutation order_by_sampled_tour(const VisibilityMatrix& matrix, const SampledT
     lists.ids = {};
     tour.push_back(points.zero());
     tour = improve_tour(points, ColumnSketches(points, 0, threads), lists.nearest, std::move(tour),
-                        {.or_opt = false, .longest_flip = count});
+                        {.three_opt = false, .longest_flip = count});
     std::rotate(tour.begin(), std::find(tour.begin(), tour.end(), points.zero()), tour.end());
     tour.erase(tour.begin());
   }

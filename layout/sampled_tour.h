@@ -27,7 +27,7 @@ std::uint32_t sample_size(std::uint32_t columns, std::uint32_t neighbours);
 /// all of them take samples * ones additions. Memory: the matrix once more, 4 bytes for each of columns * k,
 /// sketches for step 4. Breaks where a column's like are rarer than columns / samples: its sample then holds
 /// none of them. Light columns are near to everything and fill the lists of all others; they are used up
-/// early, and dummy edges follow. order_at_scale finds what it misses, in less time.
+/// early, and dummy edges follow. order_by_scale_tour finds what it misses, in less time.
 Permutation order_by_sampled_tour(const VisibilityMatrix& matrix, const SampledTourOptions& options = {},
                                   unsigned threads = 0);
 

@@ -1,19 +1,14 @@
-// Local search on tours of sparse points, by 2-opt and Or-opt on neighbour lists.
+// Local search on tours of sparse points.
 #pragma once
 #include <cstdint>
 #include <vector>
 
 #include "layout/column_points.h"
+#include "layout/local_search.h"
 #include "layout/sketch.h"
 #include "layout/sparse_points.h"
 
 namespace vismat {
-
-struct LocalMoves {
-  bool or_opt = true;  // beside 2-opt
-  /// No move turns a way of more points than this around.
-  std::uint32_t longest_flip = 25000;
-};
 
 /// Improves a closed tour of all points, the zero point among them, until no move over the lists' edges
 /// shortens it. `lists` holds points.size() points' neighbours, nearest first; a distance of 0xffffffff ends

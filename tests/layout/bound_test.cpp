@@ -13,8 +13,8 @@
 #include "layout/held_karp.h"
 #include "layout/nearest_bound.h"
 #include "layout/pair_distances.h"
-#include "layout/simple_orders.h"
-#include "layout/sparse_tour.h"
+#include "layout/random_order.h"
+#include "layout/scale_tour.h"
 #include "matrix/generate.h"
 #include "tests/codecs/matrices.h"
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "layout/cost.h"
-#include "layout/simple_orders.h"
+#include "layout/random_order.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

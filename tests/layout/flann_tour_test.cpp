@@ -17,7 +17,7 @@
 #include <tuple>
 
 #include "layout/cost.h"
-#include "layout/simple_orders.h"
+#include "layout/random_order.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -9,7 +9,9 @@
 #include "layout/bisection.h"
 #include "layout/cost.h"
 #include "layout/distinct_columns.h"
-#include "layout/simple_orders.h"
+#include "layout/lexicographic_order.h"
+#include "layout/morton_order.h"
+#include "layout/random_order.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -1,6 +1,7 @@
 // Tours and bounds against brute force on matrices of up to 8 columns, and against one another on larger
 // ones.
-#include "layout/tour.h"
+#include "layout/exact_tour.h"
+#include "layout/polished_tour.h"
 
 #include <gtest/gtest.h>
 

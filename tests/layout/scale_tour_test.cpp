@@ -1,5 +1,5 @@
 // The order at scale against all-pairs tours at small size.
-#include "layout/sparse_tour.h"
+#include "layout/scale_tour.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "layout/cost.h"
 #include "layout/sparse_search.h"
-#include "layout/tour.h"
+#include "layout/polished_tour.h"
 #include "matrix/generate.h"
 #include "tests/codecs/matrices.h"
 
@@ -19,35 +19,35 @@ std::uint64_t runs_in_order(const VisibilityMatrix& m, const Permutation& order)
   return count_runs(permute(m, Permutation::identity(m.shape().rows), order));
 }
 
-TEST(OrderAtScale, IsABijectionOfAnyMatrix) {
+TEST(ScaleTour, IsABijectionOfAnyMatrix) {
   for (const auto& m : test::assorted_matrices()) {
-    EXPECT_EQ(order_at_scale(m.matrix).size(), m.matrix.shape().columns) << m.name;
+    EXPECT_EQ(order_by_scale_tour(m.matrix).size(), m.matrix.shape().columns) << m.name;
   }
 }
 
-TEST(OrderAtScale, ComesNearAllPairsTours) {
+TEST(ScaleTour, ComesNearAllPairsTours) {
   const auto m = generate_delta_scene(power_plant_scene(1. / 256));
   const ColumnPoints points(m);
   const auto lists = exact_neighbours(points, 10);
   const auto exact = polish(points, lists, greedy_edge_tour(points, lists), {.kicks_per_point = 0});
-  EXPECT_LE(runs_in_order(m, order_at_scale(m)) * 100, runs_in_order(m, order_of_tour(exact)) * 105);
+  EXPECT_LE(runs_in_order(m, order_by_scale_tour(m)) * 100, runs_in_order(m, order_of_tour(exact)) * 105);
 }
 
-TEST(OrderAtScale, FindsAPlantedOrder) {  // column c sees rows c .. c + 19: at best each row is one run
+TEST(ScaleTour, FindsAPlantedOrder) {  // column c sees rows c .. c + 19: at best each row is one run
   std::vector<std::vector<std::uint32_t>> rows(4020);
   for (std::uint32_t c = 0; c < 4000; ++c) {
     for (std::uint32_t r = c; r < c + 20; ++r) rows[r].push_back(c * 1001 % 4000);
   }
   for (auto& row : rows) std::sort(row.begin(), row.end());
   const auto m = VisibilityMatrix::from_rows(rows, 4000);
-  EXPECT_LE(runs_in_order(m, order_at_scale(m)) * 10, rows.size() * 11);
+  EXPECT_LE(runs_in_order(m, order_by_scale_tour(m)) * 10, rows.size() * 11);
 }
 
-TEST(OrderAtScale, SameOrderForAnyThreadCount) {
+TEST(ScaleTour, SameOrderForAnyThreadCount) {
   const auto m = generate_delta_scene(power_plant_scene(1. / 128));
-  const auto order = order_at_scale(m, {}, 1);
-  EXPECT_EQ(order, order_at_scale(m, {}, 2));
-  EXPECT_EQ(order, order_at_scale(m, {}, 5));
+  const auto order = order_by_scale_tour(m, {}, 1);
+  EXPECT_EQ(order, order_by_scale_tour(m, {}, 2));
+  EXPECT_EQ(order, order_by_scale_tour(m, {}, 5));
 }
 
 TEST(GreedyTour, JoinsManyFragmentsIntoOneTour) {  // columns without near ones: nearly all are ends
@@ -76,7 +76,7 @@ TEST(ImproveTour, ShortensAShuffledTourAndKeepsItsPoints) {
     for (std::size_t i = 1; i < t.size(); ++i) sum += points.distance(t[i - 1], t[i]);
     return sum;
   };
-  const auto flipped = improve_tour(points, sketches, lists, tour, {.or_opt = false});
+  const auto flipped = improve_tour(points, sketches, lists, tour, {.three_opt = false});
   const auto moved = improve_tour(points, sketches, lists, flipped);
   const auto held = improve_tour(points, sketches, lists, tour, {.longest_flip = 0});
   for (const auto& better : {flipped, moved, held})

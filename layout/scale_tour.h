@@ -30,7 +30,7 @@ std::vector<std::uint32_t> visits_at_scale(const SparsePoints& points, const Col
 /// linear in the ones; memory: the matrix once more, bits / 8 and about 200 bytes a column. Where lists
 /// cannot be had (random columns, which have no near ones) it is no better than any other; below some
 /// thousands of dense columns the exact lists of layout/tour.h polish further.
-Permutation order_at_scale(const VisibilityMatrix& matrix, const ScaleOptions& options = {},
-                           unsigned threads = 0);
+Permutation order_by_scale_tour(const VisibilityMatrix& matrix, const ScaleOptions& options = {},
+                                unsigned threads = 0);
 
 }  // namespace vismat

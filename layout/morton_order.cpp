@@ -1,21 +1,13 @@
-#include "layout/simple_orders.h"
+#include "layout/morton_order.h"
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "matrix/random.h"
-
 namespace vismat {
 namespace {
-
-std::vector<std::uint32_t> counted(std::uint32_t size) {
-  std::vector<std::uint32_t> order(size);
-  std::iota(order.begin(), order.end(), 0u);
-  return order;
-}
 
 // Every third bit of the result, from the lowest on, is a bit of `value`.
 std::uint64_t spread(std::uint64_t value) {
@@ -28,24 +20,6 @@ std::uint64_t spread(std::uint64_t value) {
 }
 
 }  // namespace
-
-Permutation random_order(std::uint32_t size, std::uint64_t seed) {
-  std::vector<std::uint32_t> order = counted(size);
-  Random random(seed);
-  for (std::uint32_t i = size; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
-  return Permutation::from_old_of_new(std::move(order));
-}
-
-Permutation lexicographic_order(const VisibilityMatrix& matrix) {
-  const VisibilityMatrix columns = transpose(matrix);
-  std::vector<std::uint32_t> order = counted(columns.shape().rows);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto x = columns.row(a), y = columns.row(b);
-    const auto [i, j] = std::mismatch(x.begin(), x.end(), y.begin(), y.end());
-    return i != x.end() && (j == y.end() || *i < *j);  // at the first row where they differ, a has the one
-  });
-  return Permutation::from_old_of_new(std::move(order));
-}
 
 Permutation morton_order(std::span<const Box> bounds) {
   std::array<float, 3> low{}, high{};

@@ -1,0 +1,21 @@
+// The order of columns to take by default.
+#pragma once
+#include <cstdint>
+
+#include "matrix/permutation.h"
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+struct BestOrderOptions {
+  std::uint64_t seed = 1;
+  /// If above 0, tours are polished that long; the order then depends on the machine's speed.
+  double seconds = 0;
+  unsigned threads = 0;
+};
+
+/// Up to 20,000 distinct columns the polished tour, beyond them the scale tour; the columns as they stand where these have
+/// fewer runs. Same seed and no `seconds`, same order, for any thread count.
+Permutation best_order(const VisibilityMatrix& matrix, const BestOrderOptions& options = {});
+
+}  // namespace vismat

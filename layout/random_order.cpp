@@ -1,0 +1,19 @@
+#include "layout/random_order.h"
+
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "matrix/random.h"
+
+namespace vismat {
+
+Permutation random_order(std::uint32_t size, std::uint64_t seed) {
+  std::vector<std::uint32_t> order(size);
+  std::iota(order.begin(), order.end(), 0u);
+  Random random(seed);
+  for (std::uint32_t i = size; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
+  return Permutation::from_old_of_new(std::move(order));
+}
+
+}  // namespace vismat
