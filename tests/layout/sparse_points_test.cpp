@@ -7,7 +7,7 @@
 
 #include "layout/column_points.h"
 #include "layout/cost.h"
-#include "layout/simple_orders.h"
+#include "layout/random_order.h"
 #include "tests/codecs/matrices.h"
 #include "tests/matrix/temporary_folder.h"
 
