@@ -44,7 +44,7 @@ NeighbourLists flann_neighbours(const VisibilityMatrix& matrix, const ColumnPoin
                                 const FlannOptions& options, unsigned threads) {
   check(options);
   const std::uint32_t count = points.size() + 1, k = std::min(options.neighbours, count - 1);
-  if (count <= options.leaf_points || matrix.shape().rows == 0) return exact_neighbours(points, k, threads);
+  if (count <= options.leaf_points) return exact_neighbours(points, k, threads);
 
   BitRows bits = bits_of_points(matrix);
   const std::size_t bytes = bits.words_per_row() * 8;

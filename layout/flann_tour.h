@@ -19,7 +19,7 @@ struct FlannOptions {
 
 /// The nearest other points of each as FLANN's hierarchical clustering finds them [Muja & Lowe 2012], with exact
 /// distances: a list is always full, nearest first, but may miss some that are nearer. `points` are the columns of
-/// `matrix`, which should be distinct. Up to leaf_points, and without rows, the exact lists.
+/// `matrix`, which should be distinct. Up to leaf_points, the exact lists.
 /// Throws std::invalid_argument for options out of range.
 NeighbourLists flann_neighbours(const VisibilityMatrix& matrix, const ColumnPoints& points,
                                 const FlannOptions& options = {}, unsigned threads = 0);

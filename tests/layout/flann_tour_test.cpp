@@ -176,6 +176,21 @@ TEST(FlannNeighbours, AreAllTheOthersWhereThereAreFew) {
   EXPECT_EQ(flann_neighbours(one, ColumnPoints(one)).per_point, 1u);
 }
 
+// FLANN forgets branches once as many wait as there are points; with many deep trees it then finds less than asked for.
+TEST(FlannNeighbours, AreFullWhereFlannForgets) {
+  const auto m = test::random_matrix({40, 60}, .3, 6);
+  const ColumnPoints points(m);
+  const NeighbourLists lists =
+      flann_neighbours(m, points, {.neighbours = 60, .trees = 100, .branching = 2, .leaf_points = 1});
+  EXPECT_EQ(lists.distances, exact_neighbours(points, 60).distances);
+}
+
+TEST(FlannNeighbours, OfColumnsWithoutRows) {
+  const VisibilityMatrix m(Shape{0, 500});
+  const NeighbourLists lists = flann_neighbours(m, ColumnPoints(m));
+  EXPECT_EQ(lists.distances, std::vector<std::uint32_t>(501 * 10, 0));
+}
+
 TEST(FlannNeighbours, RefuseUnlimitedChecksAndOtherNonsense) {
   const auto m = test::random_matrix({10, 10}, .3, 2);
   const ColumnPoints points(m);
