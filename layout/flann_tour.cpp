@@ -95,11 +95,12 @@ NeighbourLists flann_neighbours(const VisibilityMatrix& matrix, const ColumnPoin
 
 Permutation order_by_flann_tour(const VisibilityMatrix& matrix, const FlannOptions& options,
                                 const PolishOptions& polishing, unsigned threads) {
-  const DistinctColumns distinct = distinct_columns(matrix);
-  const ColumnPoints points(distinct.matrix);
-  const NeighbourLists lists = flann_neighbours(distinct.matrix, points, options, threads);
-  const Tour tour = polish(points, lists, greedy_edge_tour(points, lists), polishing);
-  return unfold(order_of_tour(tour), distinct.distinct_of_column);
+  const SparsePoints points(matrix);
+  const VisibilityMatrix distinct = matrix_of(points);
+  const ColumnPoints columns(distinct);
+  const NeighbourLists lists = flann_neighbours(distinct, columns, options, threads);
+  const Tour tour = polish(columns, lists, greedy_edge_tour(columns, lists), polishing);
+  return points.order_of_columns(visits_of_tour(tour));
 }
 
 }  // namespace vismat

@@ -28,6 +28,7 @@ NeighbourLists flann_neighbours(const VisibilityMatrix& matrix, const ColumnPoin
 /// and can not be told otherwise, so each call may give another order. Memory: the columns as bits, twice; building is
 /// single-threaded, each query clears a bit a column.
 Permutation order_by_flann_tour(const VisibilityMatrix& matrix, const FlannOptions& options = {},
-                                const PolishOptions& polishing = {}, unsigned threads = 0);
+                                const PolishOptions& polishing = {.kicks_per_point = 20},
+                                unsigned threads = 0);
 
 }  // namespace vismat
