@@ -127,21 +127,20 @@ Dataset over_nodes(const Dataset& objects) {
   return nodes;
 }
 
-Dataset reordered(const Dataset& dataset, const Permutation& rows, const Permutation& columns) {
-  Dataset result = dataset;
-  result.matrix = permute(dataset.matrix, rows, columns);
-  result.row_bounds = moved(dataset.row_bounds, rows);
-  result.column_bounds = moved(dataset.column_bounds, columns);
-  if (dataset.row_neighbours) result.row_neighbours = permute(*dataset.row_neighbours, rows, rows);
+Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& columns) {
+  dataset.matrix = permute(std::move(dataset.matrix), rows, columns);
+  dataset.row_bounds = moved(dataset.row_bounds, rows);
+  dataset.column_bounds = moved(dataset.column_bounds, columns);
+  if (dataset.row_neighbours) dataset.row_neighbours = permute(std::move(*dataset.row_neighbours), rows, rows);
   if (dataset.tree && !columns.is_identity()) {
-    result.columns_are_nodes = false;
-    result.tree =
+    dataset.tree =
         dataset.columns_are_nodes ? std::nullopt : std::optional(with_objects_moved(*dataset.tree, columns));
+    dataset.columns_are_nodes = false;
   }
-  if (dataset.row_order || !rows.is_identity()) result.row_order = followed_by(dataset.row_order, rows);
+  if (dataset.row_order || !rows.is_identity()) dataset.row_order = followed_by(dataset.row_order, rows);
   if (dataset.column_order || !columns.is_identity())
-    result.column_order = followed_by(dataset.column_order, columns);
-  return result;
+    dataset.column_order = followed_by(dataset.column_order, columns);
+  return dataset;
 }
 
 }  // namespace vismat

@@ -61,6 +61,6 @@ Dataset over_nodes(const Dataset& objects);
 /// Rows and columns in a new order, with all that goes by them: boxes, neighbours, the objects in the tree; row_order and
 /// column_order lead from the source's numbers to the present ones. A tree whose nodes are the columns cannot follow another
 /// order of columns and is left out.
-Dataset reordered(const Dataset& dataset, const Permutation& rows, const Permutation& columns);
+Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& columns);
 
 }  // namespace vismat

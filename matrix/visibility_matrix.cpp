@@ -81,21 +81,27 @@ VisibilityMatrix transpose(const VisibilityMatrix& matrix) {
   return VisibilityMatrix::from_csr({shape.columns, shape.rows}, std::move(offsets), std::move(ids));
 }
 
-VisibilityMatrix permute(const VisibilityMatrix& matrix, const Permutation& rows, const Permutation& columns) {
+VisibilityMatrix permute(VisibilityMatrix matrix, const Permutation& rows, const Permutation& columns) {
   const Shape shape = matrix.shape();
   assert(rows.size() == shape.rows && columns.size() == shape.columns);
-  const auto old_rows = rows.old_of_new();
-  const auto new_columns = columns.new_of_old();
-  std::vector<std::uint64_t> offsets = {0};
-  offsets.reserve(std::size_t{shape.rows} + 1);
-  std::vector<std::uint32_t> ids;
-  ids.reserve(matrix.ones());
-  for (const std::uint32_t old : old_rows) {
-    for (const std::uint32_t c : matrix.row(old)) ids.push_back(new_columns[c]);
-    std::sort(ids.begin() + static_cast<std::ptrdiff_t>(offsets.back()), ids.end());
-    offsets.push_back(ids.size());
+  if (!columns.is_identity()) {
+    const auto new_columns = columns.new_of_old();
+    for (std::uint32_t r = 0; r < shape.rows; ++r) {
+      const std::span ids(matrix.ids_.data() + matrix.offsets_[r], matrix.ids_.data() + matrix.offsets_[r + 1]);
+      for (std::uint32_t& id : ids) id = new_columns[id];
+      std::sort(ids.begin(), ids.end());
+    }
   }
-  return VisibilityMatrix::from_csr(shape, std::move(offsets), std::move(ids));
+  if (rows.is_identity()) return matrix;
+  VisibilityMatrix result(shape);
+  result.ids_.reserve(matrix.ones());
+  std::uint32_t place = 0;
+  for (const std::uint32_t old : rows.old_of_new()) {
+    const auto ids = matrix.row(old);
+    result.ids_.insert(result.ids_.end(), ids.begin(), ids.end());
+    result.offsets_[++place] = result.ids_.size();
+  }
+  return result;
 }
 
 }  // namespace vismat

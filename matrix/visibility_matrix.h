@@ -40,6 +40,7 @@ class VisibilityMatrix {
   bool operator==(const VisibilityMatrix&) const = default;
 
  private:
+  friend VisibilityMatrix permute(VisibilityMatrix, const Permutation&, const Permutation&);
   Shape shape_;
   std::vector<std::uint64_t> offsets_ = {0};
   std::vector<std::uint32_t> ids_;
@@ -48,7 +49,8 @@ class VisibilityMatrix {
 /// Column c of `matrix` becomes row c. O(ones + rows + columns).
 VisibilityMatrix transpose(const VisibilityMatrix& matrix);
 
-/// Row r moves to rows.new_of_old()[r] and column c to columns.new_of_old()[c]. The sizes must match the shape.
-VisibilityMatrix permute(const VisibilityMatrix& matrix, const Permutation& rows, const Permutation& columns);
+/// Row r moves to rows.new_of_old()[r] and column c to columns.new_of_old()[c]. The sizes must match the shape. In place where
+/// rows stay and the matrix is moved in.
+VisibilityMatrix permute(VisibilityMatrix matrix, const Permutation& rows, const Permutation& columns);
 
 }  // namespace vismat

@@ -10,6 +10,7 @@
 
 #include "layout/bound.h"
 #include "layout/cost.h"
+#include "layout/random_order.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {
@@ -37,6 +38,13 @@ Tour best_tour(const ColumnPoints& points, std::uint64_t seed = 1) {
 TEST(Cost, CountsGroupsOfOnes) {
   EXPECT_EQ(count_runs(VisibilityMatrix::from_rows({{0, 1, 3}, {}, {2}, {0, 1, 2, 3}}, 4)), 4u);
   EXPECT_EQ(count_runs(VisibilityMatrix(Shape{3, 3})), 0u);
+}
+
+TEST(Cost, OfAnOrderIsThatOfTheReorderedMatrix) {
+  for (const auto& m : test::assorted_matrices()) {
+    const auto order = random_order(m.matrix.shape().columns, 5);
+    EXPECT_EQ(count_runs(m.matrix, order), runs_in_order(m.matrix, order)) << m.name;
+  }
 }
 
 TEST(Tour, IsTwiceAsLongAsItsOrderHasRuns) {
