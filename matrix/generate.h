@@ -12,7 +12,7 @@ namespace vismat {
 struct DeltaSceneOptions {
   Shape shape{350000, 400000};
   double ones_per_column = 1300;  // on average; met within 2 % where the grid has room for it
-  std::uint32_t sites = 6000;     // places where objects stand together
+  std::uint32_t sites = 5440;     // places where objects stand together
   double crowd_tail = 1.5;        // Pareto exponent of the number of objects at a site: less is more uneven
   double range_tail = 3;          // Pareto exponent of how far a site is seen: less is more uneven
   double private_view = .05;      // share of an object's lines of sight that are its own, not its site's
