@@ -7,6 +7,7 @@
 #include "layout/best_order.h"
 #include "layout/bisection.h"
 #include "layout/exact_tour.h"
+#include "layout/flann_tour.h"
 #include "layout/greedy_order.h"
 #include "layout/lexicographic_order.h"
 #include "layout/morton_order.h"
@@ -18,7 +19,7 @@
 namespace vismat {
 namespace {
 
-constexpr std::array<Reordering, 11> table = {{
+constexpr std::array<Reordering, 12> table = {{
     {"identity", "as they stand",
      [](const VisibilityMatrix& m, const ReorderingOptions&) {
        return Permutation::identity(m.shape().columns);
@@ -42,6 +43,12 @@ constexpr std::array<Reordering, 11> table = {{
     {"sampled-tour", "nearest of a sample, then edge flips [Chhugani et al. 2005]",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return order_by_sampled_tour(m, {.seed = o.seed}, o.threads);
+     }},
+    {"flann-tour", "polished tour among columns that FLANN finds near; another at each call",
+     [](const VisibilityMatrix& m, const ReorderingOptions& o) {
+       PolishOptions polish{.kicks_per_point = 20, .seed = o.seed};
+       if (o.seconds > 0) polish = {.kicks_per_point = 1e9, .seed = o.seed, .seconds = o.seconds};
+       return order_by_flann_tour(m, {}, polish, o.threads);
      }},
     {"scale-tour", "greedy edges among columns found by min-hash, 2-opt, Or-opt: for 10^5 columns",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
