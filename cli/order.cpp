@@ -10,8 +10,10 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "cli/verbs.h"
+#include "layout/best_order.h"
 #include "layout/bound.h"
 #include "layout/cost.h"
 #include "layout/greedy_order.h"
@@ -28,7 +30,9 @@ struct Options {
   std::string bound = "quick";
   double bound_seconds = 60;
   bool symmetric = false;
+  std::uint64_t memory = 0;  // bytes; 0: no limit
   ReorderingOptions order;
+  BoundOptions bound_options() const { return {.seconds = bound == "tight" ? bound_seconds : 0}; }
 };
 
 // One side of the matrix, seen as columns.
@@ -58,10 +62,50 @@ Result order_side(const VisibilityMatrix& matrix, const std::string& method, con
   result.runs_before = count_runs(matrix);
   result.runs_after = count_runs(matrix, result.order);
   if (options.bound != "none") {
-    result.bound =
-        lower_bound(matrix, result.order, {.seconds = options.bound == "tight" ? options.bound_seconds : 0})
-            .runs;
+    result.bound = lower_bound(matrix, result.order, options.bound_options()).runs;
   }
+  return result;
+}
+
+bool goes_out_of_core(const std::string& method) {
+  return method == "best" || method == "scale-tour";
+}
+
+// What ordering the columns takes at most, in bytes: the matrix, its transpose, and what a method knows of each column.
+struct Need {
+  std::uint64_t in_core, out_of_core;
+};
+Need memory_needed(const VisibilityMatrix& m, const std::string& method) {
+  const Shape shape = m.shape();
+  const std::uint64_t matrix = 4 * m.ones() + 8 * std::uint64_t{shape.rows};
+  const std::uint64_t transpose = 4 * m.ones() + 8 * std::uint64_t{shape.columns};
+  const std::uint64_t sketched = 1600 * std::uint64_t{shape.columns};
+  std::uint64_t known = sketched;
+  if (method == "sampled-tour") known += 2800 * std::uint64_t{shape.columns};  // 700 neighbours each
+  if (method != "sampled-tour" && !goes_out_of_core(method))
+    known = std::uint64_t{shape.rows} * shape.columns / 8;  // as dense bits
+  return {matrix + transpose + known, matrix + sketched + transpose / 64};
+}
+
+// As order_side, with the transpose in a file beside the output and the matrix given up meanwhile.
+Result order_out_of_core(Dataset& data, const Options& options, std::uint64_t needed) {
+  const auto start = std::chrono::steady_clock::now();
+  Result result;
+  result.runs_before = count_runs(data.matrix);
+  const auto folder = std::filesystem::absolute(options.out).parent_path();
+  const SparsePoints points(data.matrix, folder,
+                            std::min<std::uint64_t>(options.memory - needed, 1 << 30) + (1 << 16));
+  data = {};
+  const auto visits = best_visits(points, {.seed = options.order.seed, .seconds = options.order.seconds});
+  result.runs_after = runs_of_visits(points, visits);
+  result.order = points.order_of_columns(visits);
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (result.runs_after > result.runs_before) {
+    result.order = Permutation::identity(result.order.size());
+    result.runs_after = result.runs_before;
+  }
+  if (options.bound != "none") result.bound = lower_bound(points, visits, options.bound_options()).runs;
+  data = read_dataset(options.in);
   return result;
 }
 
@@ -93,7 +137,7 @@ nlohmann::json report(const Result& r) {
 }
 
 void run(const Options& options) {
-  const Dataset data = read_dataset(options.in);
+  Dataset data = read_dataset(options.in);
   const Shape shape = data.matrix.shape();
   if (options.columns == "identity" && options.rows == "identity") {
     throw std::invalid_argument("nothing to order: say --columns METHOD or --rows METHOD, for example best");
@@ -104,8 +148,22 @@ void run(const Options& options) {
   }
   Permutation rows = Permutation::identity(shape.rows), columns = Permutation::identity(shape.columns);
   std::optional<Result> of_columns, of_rows;
+  bool out_of_core = false;
+  if (options.memory != 0) {
+    if (options.rows != "identity")
+      throw std::invalid_argument("--memory is for --columns; order rows in a second run");
+    const Need need = memory_needed(data.matrix, options.columns);
+    out_of_core = need.in_core > options.memory;
+    const std::uint64_t least = goes_out_of_core(options.columns) ? need.out_of_core : need.in_core;
+    if (least > options.memory) {
+      throw std::invalid_argument("--memory " + std::to_string(options.memory) + ": " + options.columns +
+                                  " needs about " + std::to_string(least) + " bytes here" +
+                                  (goes_out_of_core(options.columns) ? "" : "; best goes out of core"));
+    }
+    if (out_of_core) of_columns = order_out_of_core(data, options, least);
+  }
   if (options.columns != "identity") {
-    of_columns = order_side(data.matrix, options.columns, data, false, options);
+    if (!of_columns) of_columns = order_side(data.matrix, options.columns, data, false, options);
     columns = of_columns->order;
     if (options.symmetric) rows = columns;
   }
@@ -113,10 +171,11 @@ void run(const Options& options) {
     of_rows = order_side(transpose(data.matrix), options.rows, data, true, options);
     rows = of_rows->order;
   }
-  const Dataset result = reordered(data, rows, columns);
+  const bool were_nodes = data.columns_are_nodes;
+  const Dataset result = reordered(std::move(data), rows, columns);
   if (of_columns) print("columns", *of_columns);
   if (of_rows) print("rows", *of_rows);
-  if (data.columns_are_nodes && !result.columns_are_nodes) {
+  if (were_nodes && !result.columns_are_nodes) {
     std::printf("the columns were a tree's nodes; in another order they are not, so the tree is left out\n");
   }
   if (!options.json.empty()) {
@@ -159,6 +218,11 @@ void add_order(CLI::App& app) {
   verb->add_option("--bound-seconds", options->bound_seconds, "How long --bound tight goes on")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  verb->add_option("--memory", options->memory,
+                   "Bytes to order columns in, such as 12G; where they do not suffice, best and scale-tour "
+                   "keep the transpose "
+                   "in a temporary file beside the output")
+      ->transform(CLI::AsSizeValue(false));
   verb->add_option("--json", options->json, "Also write runs, bound, seconds and peak memory there");
   verb->footer("Methods:" + methods +
                "\n\nExample: vismat order koth1.bsp.h5 --columns best --rows best -o ordered.bsp.h5");

@@ -1,11 +1,8 @@
 #include "layout/best_order.h"
 
-#include <vector>
-
 #include "layout/cost.h"
 #include "layout/polished_tour.h"
 #include "layout/scale_tour.h"
-#include "layout/sparse_points.h"
 
 namespace vismat {
 namespace {
@@ -13,7 +10,9 @@ namespace {
 // All pairs of 20,000 columns take seconds; of 400,000 they would take hours.
 constexpr std::uint32_t most_paired = 20000;
 
-std::vector<std::uint32_t> visits(const SparsePoints& points, const BestOrderOptions& options) {
+}  // namespace
+
+std::vector<std::uint32_t> best_visits(const SparsePoints& points, const BestOrderOptions& options) {
   if (points.size() <= most_paired) {
     return polished_visits(points,
                            {.polish = {.kicks_per_point = options.seconds > 0 ? 1e9 : 20.,
@@ -26,11 +25,9 @@ std::vector<std::uint32_t> visits(const SparsePoints& points, const BestOrderOpt
   return visits_at_scale(points, sketches, lists, options.seed, options.threads);
 }
 
-}  // namespace
-
 Permutation best_order(const VisibilityMatrix& matrix, const BestOrderOptions& options) {
   const SparsePoints points(matrix);
-  const std::vector<std::uint32_t> found = visits(points, options);
+  const std::vector<std::uint32_t> found = best_visits(points, options);
   if (runs_of_visits(points, found, options.threads) > count_runs(matrix))
     return Permutation::identity(matrix.shape().columns);
   return points.order_of_columns(found);

@@ -1,7 +1,9 @@
 // The order of columns to take by default.
 #pragma once
 #include <cstdint>
+#include <vector>
 
+#include "layout/sparse_points.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 
@@ -17,5 +19,7 @@ struct BestOrderOptions {
 /// Up to 20,000 distinct columns the polished tour, beyond them the scale tour; the columns as they stand where these have
 /// fewer runs. Same seed and no `seconds`, same order, for any thread count.
 Permutation best_order(const VisibilityMatrix& matrix, const BestOrderOptions& options = {});
+/// The same tour, of points that are there already: all of them, whether or not these are better than the columns as they stand.
+std::vector<std::uint32_t> best_visits(const SparsePoints& points, const BestOrderOptions& options = {});
 
 }  // namespace vismat

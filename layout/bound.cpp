@@ -5,16 +5,19 @@
 
 #include "layout/held_karp.h"
 #include "layout/nearest_bound.h"
-#include "layout/sparse_points.h"
 
 namespace vismat {
 
 LowerBound lower_bound(const VisibilityMatrix& matrix, const Permutation& order,
                        const BoundOptions& options) {
+  const SparsePoints points(matrix);
+  return lower_bound(points, points.visits_of_order(order), options);
+}
+
+LowerBound lower_bound(const SparsePoints& points, std::span<const std::uint32_t> visits,
+                       const BoundOptions& options) {
   // All pairs of more take minutes: 24,400 points of the power plant a quarter of one.
   constexpr std::uint32_t most_points = 30000;
-  const SparsePoints points(matrix);
-  const std::vector<std::uint32_t> visits = points.visits_of_order(order);
   if (points.size() <= most_points)
     return held_karp_bound(points, visits, {.seconds = options.seconds, .threads = options.threads});
   const auto start = std::chrono::steady_clock::now();

@@ -1,8 +1,10 @@
 // How few runs any order of the columns can have: a proven bound, at any size.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "layout/sparse_points.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 
@@ -23,6 +25,9 @@ struct BoundOptions {
 /// (nearest_bound.h) unless `seconds` asks for more. `order` is any known order, the better the faster: near
 /// columns should stand near each other in it.
 LowerBound lower_bound(const VisibilityMatrix& matrix, const Permutation& order,
+                       const BoundOptions& options = {});
+/// Of points that are there already; `visits` are all of them.
+LowerBound lower_bound(const SparsePoints& points, std::span<const std::uint32_t> visits,
                        const BoundOptions& options = {});
 
 }  // namespace vismat

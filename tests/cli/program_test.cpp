@@ -173,6 +173,26 @@ TEST(Program, OrdersAndTellsHowFarFromTheBound) {
   EXPECT_EQ(permute(before.matrix, *after.row_order, *after.column_order), after.matrix);
 }
 
+TEST(Program, OrdersOutOfCoreAsInMemory) {
+  const TemporaryFolder folder;
+  write_dataset(folder / "in.bsp.h5", ring_of_clusters(60));
+  const auto order = [&](const std::string& method, const std::string& out, const std::string& memory) {
+    return vismat_program({"order", folder / "in.bsp.h5", "--columns", method, "-o", folder / out, "--memory", memory});
+  };
+  const Finished in_core = order("best", "a.bsp.h5", "1G"), few = order("best", "c.bsp.h5", "1000");
+  ASSERT_EQ(in_core.code(), 0) << in_core.error;
+  EXPECT_EQ(few.code(), 1);
+  const std::string words = "best needs about ";
+  const auto at = few.error.find(words);
+  ASSERT_NE(at, std::string::npos) << few.error;
+  const std::string least = std::to_string(std::stoull(few.error.substr(at + words.size())) + 1);
+  const Finished out_of_core = order("best", "b.bsp.h5", least);
+  ASSERT_EQ(out_of_core.code(), 0) << out_of_core.error;
+  EXPECT_EQ(contents(folder / "a.bsp.h5"), contents(folder / "b.bsp.h5"));
+  EXPECT_EQ(folder.entries(), 3u);
+  EXPECT_NE(order("exact-tour", "d.bsp.h5", "1000").error.find("best goes out of core"), std::string::npos);
+}
+
 // Ctrl-C falls at ever later moments, until the program is through before it: whatever it was doing then, what
 // stood under the final name is whole, either the old file or the new one, and nothing lies beside it.
 void interrupt_everywhere(const TemporaryFolder& folder, std::size_t files_before,
