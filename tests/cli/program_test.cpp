@@ -76,7 +76,7 @@ std::vector<std::string> verbs() {
 }
 
 TEST(Program, HelpNamesEveryVerb) {
-  const std::vector<std::string> expected = {"import", "city",   "see",  "tree",    "order",
+  const std::vector<std::string> expected = {"import", "city", "generate", "see", "tree", "order",
                                              "encode", "decode", "node", "convert", "info"};
   const auto found = verbs();
   for (const std::string& verb : expected)
