@@ -24,9 +24,13 @@ struct FlannOptions {
 NeighbourLists flann_neighbours(const VisibilityMatrix& matrix, const ColumnPoints& points,
                                 const FlannOptions& options = {}, unsigned threads = 0);
 
-/// Equal columns collapsed, FLANN's lists, greedy edges, polish. NOT REPRODUCIBLE: FLANN seeds itself from the system
-/// and can not be told otherwise, so each call may give another order. Memory: the columns as bits, twice; building is
-/// single-threaded, each query clears a bit a column.
+/// Equal columns collapsed, FLANN's lists, greedy edges, polish. NOT REPRODUCIBLE: FLANN takes its seeds from the system,
+/// so each call may give another order. Memory: the columns as bits, twice. Building the index is single-threaded; each
+/// query takes memory for all points. Its tours are those of order_by_polished_tour, which it is there to be compared with,
+/// and mostly dearer. Breaks beyond some 20,000 columns as that does: use order_by_scale_tour there.
+///
+/// FLANN is private to the source, and headers only: who links vismat::layout needs liblz4 beside it, no more, so that the
+/// table of orders can list it without a library of its own.
 Permutation order_by_flann_tour(const VisibilityMatrix& matrix, const FlannOptions& options = {},
                                 const PolishOptions& polishing = {.kicks_per_point = 20},
                                 unsigned threads = 0);
