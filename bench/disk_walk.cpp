@@ -8,12 +8,13 @@
 // of texture coordinates, normal, colour), 4 an index, curved faces as the triangles they are drawn with.
 //
 // Measured (oa_koth1, ctf_compromise, ctf_inyard, czest3ctf, oasago2; .8 to 2.3 MB of faces, 5000 cells walked through):
-// with pages of 4 KB and no read-ahead `best` takes 76 to 93 % fewer reads than random and 55 to 69 % fewer than the
-// level's own order; the paper has almost 60 %. It depends on how far a read reaches beside what there is to skip: going
-// on over 4 pages, 33 to 84 % and 27 to 59 %; pages of 64 KB, of which a level has 13 to 36, leave nothing to save but
-// bytes (-39 to 45 %: random order then reads nearly the whole level in few reads). With 64 times the bytes a face
-// (--detail) pages of 64 KB save 86 to 95 % and 67 to 77 %. Little depends on the memory (--cache 0 to .5: 3 points) or on
-// whether what cells see or what appears between them is ordered (--whole-sets: 5 points at most, mostly below 1).
+// with pages of 4 KB and no read-ahead `best` takes 76 to 93 % fewer reads than random and 54 to 69 % fewer than the
+// level's own order, within 1.3 points for other walks; the printed sampled tour 75 to 92 % and 52 to 64 %. The paper has
+// almost 60 %. It depends on how far a read reaches, beside the size of the level: going on over 4 pages, 32 to 84 % and 27
+// to 57 %; with pages of 64 KB, of which a level has 13 to 36, there are 42 % fewer to 46 % more reads than in random
+// order, which reads nearly the whole level at once, two to six times the bytes. With 64 times the bytes a face (--detail)
+// pages of 64 KB save 85 to 95 % and 67 to 77 %. Little depends on the memory (--cache 0 to .5: 3 points) or on whether what
+// cells see or what appears between them is ordered (--whole-sets: 5 points at most, mostly below 1).
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
