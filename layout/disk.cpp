@@ -62,7 +62,6 @@ void fetch(const DiskLayout& layout, std::vector<std::uint32_t>& objects, const 
     count.bytes_wanted += layout.bytes(o);
     const std::uint64_t first = layout.offset(o) / options.page_bytes;
     const std::uint64_t after = (layout.offset(o) + layout.bytes(o) - 1) / options.page_bytes + 1;
-    if (after <= end) continue;
     const bool goes_on = reading && (first <= end || first - end <= options.read_ahead_pages);
     count.reads += !goes_on;
     count.bytes_read += (after - (goes_on ? end : first)) * options.page_bytes;

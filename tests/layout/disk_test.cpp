@@ -79,7 +79,7 @@ TEST(DiskReads, EqualThePageBitmaps) {
     for (auto& b : bytes) b = random.below(3) == 0 ? 0 : random.below(random.below(5) == 0 ? 200 : 20);
     const Permutation order = random_order(m.matrix.shape().columns, 4);
     std::vector<std::uint32_t> walk;
-    for (int step = 0; step < 60 && m.matrix.shape().rows > 0; ++step)
+    for (int step = 0; step < 25 && m.matrix.shape().rows > 0; ++step)
       walk.push_back(random.below(m.matrix.shape().rows));
     for (const std::uint64_t page : {1, 7, 64}) {
       for (const std::uint64_t ahead : {0, 1, 5}) {
