@@ -158,7 +158,9 @@ def table_of_paper(results):
 
 
 def exponent(group, column):
-    """Growth of a cost with the ones: the slope of its logarithms."""
+    """Growth of a cost with the ones: the slope of its logarithms. Memory is a bound's too, so only that of the last size's kind counts."""
+    if column == "peak_bytes":
+        group = group[(group.held_karp > 0) == (group.held_karp.iloc[-1] > 0)]
     return numpy.polyfit(numpy.log(group.ones), numpy.log(group[column]), 1)[0] if len(group) > 1 else float("nan")
 
 
@@ -166,27 +168,33 @@ def table_of_scale(results):
     rows = []
     for (_, _, method), group in results.scale.groupby(["scene", "harder", "method"], sort=False):
         group = group.sort_values("ones")
+
+        def growth(column):
+            slope = exponent(group, column)
+            return "" if numpy.isnan(slope) else f"{slope:.2f}"
+
         for i, row in enumerate(group.itertuples()):
-            last = i == len(group) - 1 and len(group) > 1
+            last = i == len(group) - 1
             bound = max(row.two_nearest, row.held_karp)
             rows.append({"scene": _scene(row), "method": method, "size": _share(row.scale), "columns": f"{row.columns:,}", "ones": f"{row.ones:,}",
                          "runs": f"{row.runs:,}", "of random": f"{row.runs_per_random:.3f}",
                          "above the\nbound": f"{row.runs / bound - 1:.1%}" if bound > 0 else "-",
+                         "bound": "-" if bound == 0 else "Held-Karp" if bound == row.held_karp else "two-nearest",
                          "seconds": f"{row.order_seconds:.2f}", "processor\nseconds": f"{row.order_cpu_seconds:.2f}",
-                         "peak GB": f"{row.peak_bytes / 1e9:.2f}",
-                         "seconds ~\nones^": f"{exponent(group, 'order_cpu_seconds'):.2f}" if last and group.order_cpu_seconds.min() > 0 else "",
-                         "memory ~\nones^": f"{exponent(group, 'peak_bytes'):.2f}" if last else ""})
+                         "peak GB,\nbound too": f"{row.peak_bytes / 1e9:.2f}",
+                         "seconds ~\nones^": growth("order_cpu_seconds") if last and row.method != "random" else "",
+                         "memory ~\nones^": growth("peak_bytes") if last else ""})
     return pd.DataFrame(rows)
 
 
 def table_of_alpha(results):
     """Share of points within twice the nearest one's distance: the paper's alpha."""
     rows = [{"points": "published, both scenes", "columns": "400,000 and 790,000", "distinct": "-", "have an\nequal column": "-",
-             "alpha": f"{results.paper.alpha.iloc[0]:.2f}", "paper's sample rule\nwould need": "1 x"}]
+             "alpha": f"{results.paper.alpha.iloc[0]:.2f}", "median\npoint": "-", "paper's sample rule\nwould need": "1 x"}]
     for matrix, group in results.density.groupby("matrix", sort=False):
         last = group.iloc[-1]
         rows.append({"points": name_of(matrix), "columns": f"{last['columns']:,}", "distinct": f"{last.distinct:,}",
-                     "have an\nequal column": f"{last.with_an_equal:.1%}", "alpha": f"{last.within_twice:.4f}",
+                     "have an\nequal column": f"{last.with_an_equal:.1%}", "alpha": f"{last.within_twice:.4f}", "median\npoint": f"{last.within_twice_median:.4f}",
                      "paper's sample rule\nwould need": f"{results.paper.alpha.iloc[0] / last.within_twice:,.0f} x"})
     return pd.DataFrame(rows)
 
@@ -347,8 +355,9 @@ def draw_scale(results):
         panels[0].plot(group.ones, 100 * group.runs_per_random, **style)
         for axes, column, unit in ((panels[1], "order_cpu_seconds", 1), (panels[2], "peak_bytes", 1e-9)):
             axes.plot(group.ones, group[column] * unit, **style)
-            if len(group) > 1 and not harder:
-                axes.annotate(f"{exponent(group, column):.2f}", (group.ones.iloc[-1], group[column].iloc[-1] * unit), xytext=(5, 0),
+            slope = exponent(group, column)
+            if not harder and not numpy.isnan(slope):
+                axes.annotate(f"{slope:.2f}", (group.ones.iloc[-1], group[column].iloc[-1] * unit), xytext=(5, 0),
                               textcoords="offset points", fontsize=8, color=color, va="center")
     for scene, paper in results.paper.iterrows():
         ones = paper.ones_per_column * paper["columns"]
@@ -379,26 +388,31 @@ def draw_scale(results):
 
 
 def draw_walk(results):
-    """Disk reads of each layout, as a share fewer than in random order."""
+    """Disk reads (bars) and bytes read (dots) of each layout, as a share fewer than in random order."""
     walk = results.walk
     levels = list(dict.fromkeys(walk.matrix))
-    figure, panels = _panels(len(levels), min(3, len(levels)), 4.4, 3.5, sharey=True)
+    figure, panels = _panels(len(levels), 2, 6.4, 3.2, sharey=True)
     layouts = [layout for layout in dict.fromkeys(walk.layout) if layout != "random"]
+    colors = {layout: look("identity" if layout == "natural" else layout)[0] for layout in layouts}
     for axes, level in zip(panels, levels):
         groups = list(walk[walk.matrix == level].groupby(["page_bytes", "read_ahead_pages"], sort=True))
         for i, (_, group) in enumerate(groups):
-            reads = group.set_index("layout").reads
+            of = group.set_index("layout")
             for j, layout in enumerate(layouts):
-                color = look("identity" if layout == "natural" else layout)[0]
-                axes.bar(i + 0.8 * ((j + 0.5) / len(layouts) - 0.5), 100 * (1 - reads[layout] / reads["random"]), 0.8 / len(layouts), color=color)
-        axes.set_xticks(range(len(groups)), [f"{page / 1024:g} KB\n{ahead}" for (page, ahead), _ in groups], fontsize=7.5)
+                x = i + 0.8 * ((j + 0.5) / len(layouts) - 0.5)
+                fewer, less = (100 * (1 - of.loc[layout, column] / of.loc["random", column]) for column in ("reads", "bytes_read"))
+                axes.bar(x, fewer, 0.8 / len(layouts), color=colors[layout])
+                axes.scatter(x, less, s=22, marker="o", facecolors="white", edgecolors=RED, zorder=3)
+        axes.set_xticks(range(len(groups)), [f"{page / 1024:g} KB\n{ahead}" for (page, ahead), _ in groups], fontsize=8)
+        axes.axhline(0, color="black", linewidth=0.8)
         axes.axhline(60, color="black", linestyle="--", linewidth=1)
         axes.grid(axis="x", visible=False)
         axes.set_title(level, fontsize=10)
-    figure.supylabel("fewer reads than in random order, %", fontsize=10)
+    figure.supylabel("fewer than in random order, %", fontsize=10)
     figure.supxlabel("page size, pages of read-ahead", fontsize=10)
-    handles = [matplotlib.patches.Patch(color=look("identity" if n == "natural" else n)[0], label=n) for n in layouts]
-    handles.append(plt.Line2D([], [], color="black", linestyle="--", label="paper 000: almost 60 %"))
+    handles = [matplotlib.patches.Patch(color=colors[n], label=f"reads, {n}") for n in layouts]
+    handles.append(plt.Line2D([], [], ls="", marker="o", mfc="white", mec=RED, label="bytes read"))
+    handles.append(plt.Line2D([], [], color="black", linestyle="--", label="paper 000: almost 60 % fewer reads"))
     figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.01), ncol=5, frameon=False)
     return figure
 
@@ -410,7 +424,8 @@ STUDIES = {"random": "ones, share of all entries", "near-duplicates": "bits flip
 
 def draw_shapes(results):
     """Each study's parameter across, excess over the bound up."""
-    table = results.shapes[results.shapes.study.isin(list(STUDIES)) & (results.shapes.method != "random")]
+    shuffled = results.shapes.method.isin(["identity", "random"])  # the columns come shuffled
+    table = results.shapes[results.shapes.study.isin(list(STUDIES)) & ~shuffled]
     table = table.assign(excess=table.runs / table.bound.clip(lower=1))
     studies = [s for s in STUDIES if s in set(table.study)]
     figure, panels = _panels(len(studies), 3, 4.2, 3.2)
@@ -492,7 +507,7 @@ CHARTS = {
     "bound_convergence": ("The lower bound's own convergence", draw_convergence),
     "distances": ("Fig. 6 of Chhugani et al. 2005 for our data: points near a random point, by number of points and by radius", draw_distances),
     "scale": ("Cost against size, up to the paper's", draw_scale),
-    "walk": ("Disk reads of a walk through a level, against a random layout (Fig. 12)", draw_walk),
+    "walk": ("Disk reads of walks through levels, and bytes read, against a random layout (Fig. 12)", draw_walk),
     "failures_shapes": ("Matrices made to hurt", draw_shapes),
     "failures_samples": ("The printed method by sample size and k", draw_samples),
     "failures_flann": ("FLANN's recall and time, by density (panels) and dimension (dots)", draw_flann),

@@ -31,7 +31,7 @@ def to_html(table):
 
     mark = ' class="published"'
     classes = [mark if str(column).endswith("published") else "" for column in table.columns]
-    body = "".join(f"<tr{mark if 'published' in map(str, row) else ''}>{cells('td', row, classes)}</tr>\n"
+    body = "".join(f"<tr{mark if {'published', 'prototype'} & set(map(str, row)) else ''}>{cells('td', row, classes)}</tr>\n"
                    for row in table.itertuples(index=False))
     return f'<div class="wide"><table><thead><tr>{cells("th", table.columns, classes)}</tr></thead>\n<tbody>{body}</tbody></table></div>'
 

@@ -18,6 +18,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "bench/measure.h"
 #include "codecs/baseline_codecs.h"
 #include "codecs/bitmap.h"
 #include "codecs/tree_coding.h"
@@ -28,6 +29,7 @@
 namespace {
 
 using namespace vismat;
+using namespace vismat::bench;
 
 double seconds_of(const auto& work) {
   const auto start = std::chrono::steady_clock::now();
@@ -41,27 +43,6 @@ double median_seconds(const auto& work) {
     runs.push_back(seconds_of(work));
   std::nth_element(runs.begin(), runs.begin() + runs.size() / 2, runs.end());
   return runs[runs.size() / 2];
-}
-
-// A line of comma-separated values; text with commas is given quoted.
-std::string csv_line(const auto&... values) {
-  std::ostringstream line;
-  line << std::setprecision(6);
-  ((line << values << ','), ...);
-  std::string text = line.str();
-  text.back() = '\n';
-  return text;
-}
-
-std::string quoted(std::string_view text) {
-  std::ostringstream out;
-  out << std::quoted(text, '"', '"');
-  return out.str();
-}
-
-std::string name_of(const std::filesystem::path& path) {
-  std::string name = path.filename();
-  return name.substr(0, name.find(".bsp.h5"));
 }
 
 struct Order {
