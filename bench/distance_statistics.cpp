@@ -119,7 +119,7 @@ void add_matrix(const std::string& name, const VisibilityMatrix& matrix, const O
   for (std::uint32_t size = std::min(64u, points.size());; size = std::min(2 * size, points.size())) {
     shares = mean_shares(points, size, options);
     tables.density += csv_line(name, matrix.shape().columns, points.size(), share_with_an_equal(distinct),
-                               size, shares.twice, options.trials);
+                               size, shares.twice, shares.median_twice, options.trials);
     if (size == points.size()) break;
   }
   for (std::size_t i = 0; i < shares.within.size(); ++i)
