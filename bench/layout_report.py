@@ -28,7 +28,7 @@ METHODS = {"identity": ("#999999", "s"), "random": ("#cccccc", "o"), "lexicograp
            "bisection": ("#7e57c2", "<"), "neighbours": ("#558b2f", "D"), "greedy": ("#9ccc65", "P"), "exact-tour": ("#26a69a", "X"),
            "sampled-tour": ("#ef6c00", "o"), "flann-tour": ("#d81b60", "*"), "scale-tour": ("#42a5f5", "h"), "scalable": ("#42a5f5", "h"),
            "polished-tour": ("#1f4e79", "D"), "best": ("#000000", "*")}
-FULL_SIZE = {"power-plant": "power plant", "city": "city"}
+SCENES = {"power-plant": "power plant", "city": "city"}
 
 
 def look(method):
@@ -136,7 +136,7 @@ def table_of_references(results):
 
 
 def _scene(row):
-    return FULL_SIZE.get(row.scene, row.scene) + (", harder" if row.harder else "")
+    return SCENES.get(row.scene, row.scene) + (", harder" if row.harder else "")
 
 
 def _share(scale):
@@ -152,7 +152,7 @@ def table_of_paper(results):
                      **{method: f"{1 - of.runs_per_random[method]:.1%} ({of.order_seconds[method]:.1f} s)"
                         for method in of.index if method != "random"}})
     for scene, paper in results.paper.iterrows():
-        rows.append({"scene": FULL_SIZE[scene], "": "published", "size": "1", "columns": f"{paper['columns']:,.0f}",
+        rows.append({"scene": SCENES[scene], "": "published", "size": "1", "columns": f"{paper['columns']:,.0f}",
                      "sampled-tour": f"{paper.fewer_runs:.1%} ({paper.seconds_lists + paper.seconds_tour:,.0f} s)"})
     return pd.DataFrame(rows).fillna("-")
 
@@ -353,12 +353,14 @@ def draw_scale(results):
         color, marker = look(method)
         style = dict(color=color, marker=marker, ms=5, linestyle=styles.get(scene, "-"), alpha=0.45 if harder else 1, mfc="white" if harder else color)
         panels[0].plot(group.ones, 100 * group.runs_per_random, **style)
+        same_bound = group[(group.held_karp > 0) == (group.held_karp.iloc[-1] > 0)]
         for axes, column, unit in ((panels[1], "order_cpu_seconds", 1), (panels[2], "peak_bytes", 1e-9)):
-            axes.plot(group.ones, group[column] * unit, **style)
+            of = same_bound if column == "peak_bytes" else group
+            axes.plot(of.ones, of[column] * unit, **style)
             slope = exponent(group, column)
             if not harder and not numpy.isnan(slope):
-                axes.annotate(f"{slope:.2f}", (group.ones.iloc[-1], group[column].iloc[-1] * unit), xytext=(5, 0),
-                              textcoords="offset points", fontsize=8, color=color, va="center")
+                axes.text(0.02, 0.98 - 0.065 * len(axes.texts), f"{method}, {SCENES[scene]}: ones^{slope:.2f}", transform=axes.transAxes,
+                          fontsize=8.5, color=color, va="top")
     for scene, paper in results.paper.iterrows():
         ones = paper.ones_per_column * paper["columns"]
         panels[0].scatter(ones, 100 * (1 - paper.fewer_runs), marker="o" if scene == "power-plant" else "s", facecolors="none",
@@ -374,12 +376,12 @@ def draw_scale(results):
     panels[0].set_ylim(bottom=0)
     for axes in panels[1:]:
         axes.set_yscale("log")
+        axes.set_ylim(top=axes.get_ylim()[1] * 8)  # room for the exponents
         axes.yaxis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda v, _: f"{v:g}"))
         axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
-        axes.set_title("numbers: exponent of growth", fontsize=9, color=GREY)
     present = [m for m in dict.fromkeys(results.scale.method) if m != "random"]
     handles = [plt.Line2D([], [], color=look(m)[0], marker=look(m)[1], label=m) for m in present]
-    handles += [plt.Line2D([], [], color=GREY, linestyle=styles[s], label=FULL_SIZE[s]) for s in styles if s in set(results.scale.scene)]
+    handles += [plt.Line2D([], [], color=GREY, linestyle=styles[s], label=SCENES[s]) for s in styles if s in set(results.scale.scene)]
     if results.scale.harder.any():
         handles.append(plt.Line2D([], [], color=GREY, marker="o", mfc="white", alpha=0.6, label="harder variant"))
     handles += [plt.Line2D([], [], color="black", ls="", marker=m, mfc="none", label=f"published, {n}") for m, n in (("o", "power plant"), ("s", "city"))]
@@ -480,23 +482,27 @@ def draw_samples(results):
 
 
 def draw_flann(results):
-    """FLANN's recall against its time a query: a panel a density, points by dimension."""
+    """FLANN's indexes beside a scan of all columns: recall and time a query against dimension, a column of panels a density."""
     densities = sorted(results.flann.density.unique())
-    figure, panels = _panels(len(densities), min(4, len(densities)), 3.6, 3.3, sharey=True)
+    figure, panels = plt.subplots(2, len(densities), figsize=(3.5 * len(densities), 5.6), squeeze=False, sharex=True, sharey="row", layout="constrained")
     indexes = list(dict.fromkeys(results.flann["index"]))
-    colors = dict(zip(indexes, ("#1f4e79", "#ef6c00", "#26a69a", "#7e57c2", "#b03a2e", "#777777", "#8d6e63")))
-    sizes = {rows: 14 + 22 * i for i, rows in enumerate(sorted(results.flann.rows.unique()))}
-    for axes, density in zip(panels, densities):
+    styles = dict(zip(indexes, (("#777777", "s"), ("#1f4e79", "o"), ("#ef6c00", "^"), ("#7e57c2", "D"), ("#26a69a", "v"))))
+    for column, density in enumerate(densities):
         for index, group in results.flann[results.flann.density == density].groupby("index", sort=False):
-            group = group.sort_values("rows")
-            axes.plot(group.us_per_query, 100 * group.recall, color=colors[index], linewidth=0.8)
-            axes.scatter(group.us_per_query, 100 * group.recall, s=[sizes[r] for r in group.rows], color=colors[index], alpha=0.8, linewidths=0)
-        axes.set_xscale("log")
-        axes.set_title(f"{density:.1%} ones", fontsize=10)
-    figure.supxlabel("microseconds a query (log)", fontsize=10)
-    figure.supylabel("recall, %", fontsize=10)
-    handles = [plt.Line2D([], [], color=colors[i], marker="o", label=i) for i in indexes]
-    handles += [plt.Line2D([], [], color=GREY, ls="", marker="o", ms=sizes[r] ** 0.5, label=f"{r:,} rows") for r in sizes]
+            group, (color, marker) = group.sort_values("rows"), styles[index]
+            panels[0][column].plot(group.rows, 100 * group.recall, color=color, marker=marker, ms=5, linewidth=1)
+            panels[1][column].plot(group.rows, group.us_per_query, color=color, marker=marker, ms=5, linewidth=1)
+        panels[0][column].set_title(f"{density:.1%} ones", fontsize=10)
+        panels[1][column].set_yscale("log")
+        panels[1][column].set_xscale("log", base=2)
+        panels[1][column].set_xticks(sorted(results.flann.rows.unique()), [f"{r:,}" for r in sorted(results.flann.rows.unique())])
+    for axes in panels.flat:
+        bare(axes)
+        axes.grid(which="major", color="#e6e6e6")
+    panels[0][0].set_ylabel("recall of the nearest, %")
+    panels[1][0].set_ylabel("microseconds a query")
+    figure.supxlabel("rows: the dimension of a column", fontsize=10)
+    handles = [plt.Line2D([], [], color=styles[i][0], marker=styles[i][1], label=i) for i in indexes]
     figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.01), ncol=5, frameon=False)
     return figure
 
@@ -510,7 +516,7 @@ CHARTS = {
     "walk": ("Disk reads of walks through levels, and bytes read, against a random layout (Fig. 12)", draw_walk),
     "failures_shapes": ("Matrices made to hurt", draw_shapes),
     "failures_samples": ("The printed method by sample size and k", draw_samples),
-    "failures_flann": ("FLANN's recall and time, by density (panels) and dimension (dots)", draw_flann),
+    "failures_flann": ("FLANN's indexes and a plain scan: recall and time by dimension and density", draw_flann),
 }
 
 

@@ -20,17 +20,19 @@
 #include <filesystem>
 #include <functional>
 #include <numeric>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/measure.h"
 #include "layout/bound.h"
 #include "layout/cost.h"
+#include "layout/random_order.h"
 #include "layout/reordering.h"
 #include "layout/sampled_tour.h"
-#include "layout/random_order.h"
 #include "layout/sketch.h"
 #include "layout/sparse_points.h"
 #include "matrix/atomic_file.h"
@@ -220,11 +222,12 @@ std::string samples(const std::vector<Named>& matrices) {
   return csv;
 }
 
-// Orders whose first two seeds give the same runs take none, or have all columns in their sample.
+// Not of orders that take no seed (their first two give the same runs) or are another one here under a second name.
 std::string seeds(const std::vector<Named>& matrices, const Options& options) {
   std::string csv = "matrix,columns,method,seeds,mean,deviation,least,most\n";
   for (const Named& m : matrices) {
     const std::uint32_t columns = m.matrix.shape().columns;
+    std::set<std::pair<double, double>> first_two;
     const auto add = [&](std::string_view name, const std::function<Permutation(std::uint64_t)>& order) {
       const auto runs_of = [&](std::uint64_t seed) {
         return static_cast<double>(runs_in(m.matrix, order(seed)));
@@ -232,7 +235,7 @@ std::string seeds(const std::vector<Named>& matrices, const Options& options) {
       std::vector<double> runs(options.seeds);
       runs[0] = runs_of(1);
       runs[1] = runs_of(2);
-      if (runs[0] == runs[1]) return;
+      if (runs[0] == runs[1] || !first_two.emplace(runs[0], runs[1]).second) return;
       parallel_for(options.seeds - 2, 0, [&](std::uint64_t i) { runs[i + 2] = runs_of(i + 3); });
       const double mean = std::accumulate(runs.begin(), runs.end(), 0.) / options.seeds;
       double squares = 0;
