@@ -16,8 +16,10 @@ struct BestOrderOptions {
   unsigned threads = 0;
 };
 
-/// Up to 20,000 distinct columns the polished tour, beyond them the scale tour; the columns as they stand where these have
-/// fewer runs. Same seed and no `seconds`, same order, for any thread count.
+/// Up to 20,000 distinct columns the shorter of two polished tours, beyond them, or where their pairs would take more than
+/// about half a minute, the scale tour; the columns as they stand where these have fewer runs. Same seed and no `seconds`,
+/// same order, for any thread count. Breaks on matrices without structure, where no order is much better than another:
+/// take the columns as they stand.
 Permutation best_order(const VisibilityMatrix& matrix, const BestOrderOptions& options = {});
 /// The same tour, of points that are there already: all of them, whether or not these are better than the columns as they stand.
 std::vector<std::uint32_t> best_visits(const SparsePoints& points, const BestOrderOptions& options = {});

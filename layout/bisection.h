@@ -14,8 +14,8 @@ struct BisectionOptions {
 
 /// Halves the columns again and again so that rows see mostly one half, which makes the gaps between a row's ids small
 /// [Dhulipala et al., Compressing graphs and indexes with recursive graph bisection, KDD 2016]. Begins with the columns as they
-/// stand. O(iterations * ones * log columns). Minimizes the logarithms of gaps, not runs: 20-30 % more runs than a
-/// tour on visibility matrices; use it where ids are gap-coded or a tour is too slow.
+/// stand. O(iterations * ones * log columns). Minimizes the logarithms of gaps, not runs: 2.4 times the runs of a
+/// polished tour on two levels, 1.7 times on artificial 1; use it where ids are gap-coded or a tour is too slow.
 Permutation order_by_bisection(const VisibilityMatrix& matrix, const BisectionOptions& options = {});
 
 }  // namespace vismat

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "layout/column_points.h"
+#include "layout/local_search.h"
 #include "layout/sparse_points.h"
 #include "layout/tour.h"
 #include "matrix/permutation.h"
@@ -14,14 +15,6 @@ namespace vismat {
 /// Shortest edges first, as long as they make no branch and no cycle [Bentley 1992]: the lists' edges, then all pairs of the
 /// ends that these left.
 Tour greedy_edge_tour(const ColumnPoints& points, const NeighbourLists& neighbours);
-
-struct PolishOptions {
-  /// Kicks of iterated local search a point, after the first local optimum; 0: none.
-  double kicks_per_point = 50;
-  std::uint64_t seed = 1;
-  /// If above 0, stops kicking after that long: the tour then depends on the machine's speed.
-  double seconds = 0;
-};
 
 /// Local search, then kicks, as the source tells. Never longer than it came. Same seed and no `seconds`, same
 /// tour. One thread.
@@ -38,7 +31,7 @@ std::vector<std::uint32_t> polished_visits(const SparsePoints& points,
                                            const PolishedTourOptions& options = {}, unsigned threads = 0);
 
 /// All of it for a matrix, equal columns collapsed. Same seed and no `seconds`, same order, for any thread count. Memory: the
-/// columns as bits, and up to 32 MB. Breaks beyond some 20,000 distinct columns, whose pairs are too many: use
+/// columns as bits, and 700 bytes a column. Breaks beyond some 20,000 distinct columns, whose pairs are too many: use
 /// order_by_scale_tour there.
 Permutation order_by_polished_tour(const VisibilityMatrix& matrix, const PolishedTourOptions& options = {},
                                    unsigned threads = 0);

@@ -50,20 +50,22 @@ constexpr std::array<Reordering, 12> table = {{
        if (o.seconds > 0) polish = {.kicks_per_point = 1e9, .seed = o.seed, .seconds = o.seconds};
        return order_by_flann_tour(m, {}, polish, o.threads);
      }},
-    {"scale-tour", "greedy edges among columns found by min-hash, 2-opt, Or-opt: for 10^5 columns",
+    {"scale-tour", "greedy edges among columns found by min-hash, 3-opt, kicks: for 10^5 columns",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
-       return order_by_scale_tour(m, {.nearby = {.seed = o.seed}}, o.threads);
+       return order_by_scale_tour(m, {.nearby = {.seed = o.seed}, .seconds = o.seconds}, o.threads);
      }},
     {"bisection", "recursive graph bisection [Dhulipala et al. 2016]",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_by_bisection(m); }},
     {"polished-tour", "greedy edge, 3-opt, then kicks by segment insertion",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        PolishedTourOptions options;
+       if (o.seconds > 0) options.polish.kicks_per_point = 1e9;
        options.polish.seed = o.seed;
-       if (o.seconds > 0) options.polish = {.kicks_per_point = 1e9, .seed = o.seed, .seconds = o.seconds};
+       options.polish.seconds = o.seconds;
        return order_by_polished_tour(m, options, o.threads);
      }},
-    {"best", "the one to take: a polished tour, beyond 20000 columns a scale tour, never worse than identity",
+    {"best",
+     "the one to take: the shorter of two polished tours, at scale scale-tour; never worse than identity",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return best_order(m, {.seed = o.seed, .seconds = o.seconds, .threads = o.threads});
      }},

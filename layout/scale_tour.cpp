@@ -4,9 +4,9 @@
 // factor a round (an end's window always holds one of another fragment). The last few thousand ends are
 // matched by all pairs of sketches.
 //
-// Measured (bench/order_scale): power plant, 400,000 columns, 5.2e8 ones: .130 of a random permutation's runs,
-// .343 of the complete printed method's, 117 s on two cores that others used as well, 4.9 GB. The 2-nearest
-// bound is 1.345 times below it, Held-Karp after 60 steps 1.278.
+// Measured (bench/order_scale): power plant, 400,000 columns, 5.2e8 ones: .1236 of a random permutation's runs, 102 s of
+// processor time (136 s on two cores that others used as well), 5.3 GB; the 2-nearest bound is 1.23 times below it. With
+// one kick a point .1231 in 191 s.
 #include "layout/scale_tour.h"
 
 #include <algorithm>
@@ -49,10 +49,12 @@ std::vector<std::uint32_t> greedy_tour(const SparsePoints& points, const ColumnS
 }
 
 std::vector<std::uint32_t> visits_at_scale(const SparsePoints& points, const ColumnSketches& sketches,
-                                           const NeighbourLists& lists, std::uint64_t seed,
-                                           unsigned threads) {
-  return visits_of_tour(
-      improve_tour(points, sketches, lists, greedy_tour(points, sketches, lists, seed, threads)));
+                                           const NeighbourLists& lists, std::uint64_t seed, unsigned threads,
+                                           double seconds) {
+  std::vector<std::uint32_t> tour =
+      improve_tour(points, sketches, lists, greedy_tour(points, sketches, lists, seed, threads));
+  const PolishOptions kicks{.kicks_per_point = .25, .seed = seed, .seconds = seconds};
+  return visits_of_tour(kick_tour(points, sketches, lists, std::move(tour), kicks, threads));
 }
 
 Permutation order_by_scale_tour(const VisibilityMatrix& matrix, const ScaleOptions& options,
@@ -60,7 +62,8 @@ Permutation order_by_scale_tour(const VisibilityMatrix& matrix, const ScaleOptio
   const SparsePoints points(matrix);
   const ColumnSketches sketches(points, options.sketch_bits, threads);
   const NeighbourLists lists = nearby_points(points, sketches, options.nearby, threads);
-  return points.order_of_columns(visits_at_scale(points, sketches, lists, options.nearby.seed, threads));
+  return points.order_of_columns(
+      visits_at_scale(points, sketches, lists, options.nearby.seed, threads, options.seconds));
 }
 
 }  // namespace vismat

@@ -13,6 +13,8 @@ namespace vismat {
 struct ScaleOptions {
   NearbyOptions nearby;
   std::uint32_t sketch_bits = 0;  // 0: by the columns' weight, see ColumnSketches
+  /// If above 0, kicks the tour for that long; the order then depends on the machine's speed.
+  double seconds = 0;
 };
 
 /// Shortest listed edges first, as long as they make no branch and no cycle; the fragments' ends are joined
@@ -21,15 +23,15 @@ std::vector<std::uint32_t> greedy_tour(const SparsePoints& points, const ColumnS
                                        const NeighbourLists& lists, std::uint64_t seed = 1,
                                        unsigned threads = 0);
 
-/// nearby_points, greedy_tour, improve_tour: the points, from the zero point on.
+/// greedy_tour, improve_tour, kick_tour: the points, from the zero point on.
 std::vector<std::uint32_t> visits_at_scale(const SparsePoints& points, const ColumnSketches& sketches,
                                            const NeighbourLists& lists, std::uint64_t seed = 1,
-                                           unsigned threads = 0);
+                                           unsigned threads = 0, double seconds = 0);
 
-/// All of it for a matrix, equal columns collapsed. Same seed, same order, for any thread count. Nearly
+/// All of it for a matrix, equal columns collapsed. Same seed and no `seconds`, same order, for any thread count. Nearly
 /// linear in the ones; memory: the matrix once more, bits / 8 and about 200 bytes a column. Where lists
 /// cannot be had (random columns, which have no near ones) it is no better than any other; below some
-/// thousands of dense columns the exact lists of layout/tour.h polish further.
+/// thousands of dense columns order_by_polished_tour has exact lists and fewer runs.
 Permutation order_by_scale_tour(const VisibilityMatrix& matrix, const ScaleOptions& options = {},
                                 unsigned threads = 0);
 

@@ -17,4 +17,10 @@ std::vector<std::uint32_t> improve_tour(const SparsePoints& points, const Column
                                         const NeighbourLists& lists, std::vector<std::uint32_t> tour,
                                         const LocalMoves& moves = {});
 
+/// Kicks a local optimum; windows of the tour apart, on several threads. If `seconds` are given, again and again for that
+/// long. Never lengthens. Same seed and no `seconds`, same tour, for any thread count.
+std::vector<std::uint32_t> kick_tour(const SparsePoints& points, const ColumnSketches& sketches,
+                                     const NeighbourLists& lists, std::vector<std::uint32_t> tour,
+                                     const PolishOptions& options, unsigned threads = 0);
+
 }  // namespace vismat

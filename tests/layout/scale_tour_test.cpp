@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "layout/cost.h"
-#include "layout/sparse_search.h"
 #include "layout/polished_tour.h"
+#include "layout/sparse_search.h"
 #include "matrix/generate.h"
 #include "tests/codecs/matrices.h"
 
@@ -84,6 +84,19 @@ TEST(ImproveTour, ShortensAShuffledTourAndKeepsItsPoints) {
   EXPECT_LT(length(flipped) * 10, length(tour) * 8);
   EXPECT_LT(length(moved), length(flipped));
   EXPECT_EQ(held, tour);
+}
+
+TEST(KickTour, ShortensALocalOptimumAlikeForAnyThreadCount) {
+  const auto m = generate_delta_scene(power_plant_scene(1. / 64));  // 6250 columns: two windows
+  const SparsePoints points(m);
+  const ColumnSketches sketches(points);
+  const auto lists = nearby_points(points, sketches);
+  const auto optimum = improve_tour(points, sketches, lists, greedy_tour(points, sketches, lists));
+  const auto kicked = kick_tour(points, sketches, lists, optimum, {.kicks_per_point = .5}, 1);
+  EXPECT_LT(runs_of_visits(points, visits_of_tour(kicked)), runs_of_visits(points, visits_of_tour(optimum)));
+  EXPECT_TRUE(std::is_permutation(optimum.begin(), optimum.end(), kicked.begin(), kicked.end()));
+  for (const unsigned threads : {2u, 3u})
+    EXPECT_EQ(kick_tour(points, sketches, lists, optimum, {.kicks_per_point = .5}, threads), kicked);
 }
 
 }  // namespace
