@@ -87,7 +87,7 @@ Measured measure(const Options& options, double scale, const std::string& method
     m.order_cpu_seconds = cpu() - cpu_start;
     m.runs = runs_of_visits(points, visits, options.threads);
     const double certifying = now();
-    m.two_nearest = two_nearest_bound(points, visits, options.threads);
+    m.two_nearest = two_nearest_bound(points, visits, {}, options.threads);
     m.two_nearest_seconds = now() - certifying;
     if (points.size() <= options.most_held_karp) {
       const double ascending = now();

@@ -19,15 +19,17 @@ LowerBound lower_bound(const SparsePoints& points, std::span<const std::uint32_t
   // All pairs of more take minutes: 24,400 points of the power plant a quarter of one.
   constexpr std::uint32_t most_points = 30000;
   if (points.size() <= most_points)
-    return held_karp_bound(points, visits, {.seconds = options.seconds, .threads = options.threads});
+    return held_karp_bound(
+        points, visits, {.seconds = options.seconds, .threads = options.threads, .stages = options.stages});
   const auto start = std::chrono::steady_clock::now();
-  const std::uint64_t quick = two_nearest_bound(points, visits, options.threads);
+  const std::uint64_t quick = two_nearest_bound(points, visits, {.stages = options.stages}, options.threads);
   LowerBound bound = {quick, {quick}};
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
   if (spent.count() >= options.seconds) return bound;
   for (const std::uint64_t runs :
-       held_karp_bound(points, visits,
-                       {.seconds = options.seconds - spent.count(), .threads = options.threads})
+       held_karp_bound(
+           points, visits,
+           {.seconds = options.seconds - spent.count(), .threads = options.threads, .stages = options.stages})
            .history)
     bound.history.push_back(bound.runs = std::max(bound.runs, runs));
   return bound;

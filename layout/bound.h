@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "layout/sparse_points.h"
+#include "matrix/parallel.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 
@@ -19,6 +20,7 @@ struct BoundOptions {
   /// If above 0, ascends for about that long, whatever the size; the bound then depends on the machine's speed.
   double seconds = 0;
   unsigned threads = 0;  // 0: one a core; without `seconds` the bound does not depend on it
+  Stages stages = {};
 };
 
 /// Up to 30,000 distinct columns Held and Karp's bound (held_karp.h), beyond that the two-nearest bound

@@ -365,6 +365,8 @@ LowerBound held_karp_bound(const SparsePoints& points, std::span<const std::uint
 
     Ascent ascent(std::move(potential),
                   2 * scale * static_cast<double>(runs_of_visits(points, visits, options.threads)));
+    const Progress progress =
+        options.seconds > 0 ? Progress{} : begin_stage(options.stages, "Held-Karp bound");
     for (std::uint32_t round = 0; options.seconds > 0 ? round == 0 || in_time() : round < options.rounds;
          ++round) {
       for (std::uint32_t step = 0; step < options.steps && ascent.step(trees); ++step) {
@@ -380,6 +382,7 @@ LowerBound held_karp_bound(const SparsePoints& points, std::span<const std::uint
       if (length > 0)
         bound.runs = std::max(bound.runs, static_cast<std::uint64_t>((length + 2 * scale - 1) / (2 * scale)));
       bound.history.push_back(bound.runs);
+      if (progress) progress(round + 1, options.rounds);
     }
   } catch (const OutOfTime&) {  // what is proven stands
   }

@@ -18,6 +18,7 @@ struct HeldKarpOptions {
   /// Where all pairs take no more than that they are kept, else computed anew for each pricing.
   std::uint64_t pair_bytes = std::uint64_t{2} << 30;
   unsigned threads = 0;
+  Stages stages = {};  // none are told where `seconds` bound the work
 };
 
 /// Held & Karp's ascent [Operations Research 1970; Mathematical Programming 1971] over the closed tours

@@ -223,15 +223,17 @@ CertifiedNeighbours certify_neighbours(const SparsePoints& points, const ColumnS
   CertifiedNeighbours result{lists, std::vector<std::uint32_t>(points.size(), 0)};
   if (lists.per_point == 0) return result;
   const Certifier certifier(points, sketches, visits, options, threads);
-  parallel_for(certifier.block_count(), threads, [&](std::uint64_t b) { certifier.complete(b, result); });
+  parallel_for(
+      certifier.block_count(), threads, [&](std::uint64_t b) { certifier.complete(b, result); },
+      begin_stage(options.stages, "bound by nearest columns"));
   return result;
 }
 
 std::uint64_t two_nearest_bound(const SparsePoints& points, std::span<const std::uint32_t> visits,
-                                unsigned threads) {
+                                const CertifyOptions& options, unsigned threads) {
   const ColumnSketches sketches(points, 0, threads);
   const NeighbourLists lists = nearest_in_order(points, sketches, visits, threads);
-  return two_nearest_bound(points, certify_neighbours(points, sketches, lists, visits, {}, threads));
+  return two_nearest_bound(points, certify_neighbours(points, sketches, lists, visits, options, threads));
 }
 
 std::uint64_t two_nearest_bound(const SparsePoints& points, const CertifiedNeighbours& neighbours) {

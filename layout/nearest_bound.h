@@ -20,6 +20,7 @@ struct CertifiedNeighbours {
 struct CertifyOptions {
   std::uint32_t block = 16;    // points that are ruled out together
   std::uint64_t work = 10000;  // pairs looked at one by one for each point, on average over its block
+  Stages stages = {};
 };
 
 /// Completes lists (of nearby_points, or of any true distances) by an exact search around each point, no
@@ -38,6 +39,6 @@ std::uint64_t two_nearest_bound(const SparsePoints& points, const CertifiedNeigh
 /// All of it, from an order of all points: its neighbours are where the exact search begins. Breaks (goes
 /// slow, and then weak) where the nearest are hardly nearer than all others, as in random columns.
 std::uint64_t two_nearest_bound(const SparsePoints& points, std::span<const std::uint32_t> visits,
-                                unsigned threads = 0);
+                                const CertifyOptions& options = {}, unsigned threads = 0);
 
 }  // namespace vismat

@@ -74,7 +74,7 @@ SampledLists sampled_neighbours(const SparsePoints& points, const SampledTourOpt
   lists.nearest.ids.assign(std::size_t{count} * few, none);
   lists.nearest.distances.assign(std::size_t{count} * few, none);
   const std::uint32_t block = std::max(16u, samples / 8);
-  parallel_for((std::uint64_t{count} + block - 1) / block, threads, [&](std::uint64_t b) {
+  const auto list_block = [&](std::uint64_t b) {
     const auto sample = sample_of(count, samples, Random(options.seed, b));
     const SampleIndex index(points, sample);
     std::vector<std::uint32_t> shared(sample.size());
@@ -102,7 +102,9 @@ SampledLists sampled_neighbours(const SparsePoints& points, const SampledTourOpt
         lists.nearest.distances[std::size_t{p} * few + i] = static_cast<std::uint32_t>(keys[i] >> 16);
       }
     }
-  });
+  };
+  parallel_for((std::uint64_t{count} + block - 1) / block, threads, list_block,
+               begin_stage(options.stages, "nearest of the samples"));
   return lists;
 }
 

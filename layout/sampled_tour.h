@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "matrix/parallel.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 
@@ -15,6 +16,7 @@ struct SampledTourOptions {
   bool flip_edges = true;              // step 4
   std::uint32_t flip_neighbours = 10;  // looked at by step 4, of the k
   std::uint64_t seed = 1;
+  Stages stages = {};
 };
 
 /// The paper's rule: k times c log(columns) / alpha, where c makes that 16 at 400,000 columns and alpha =

@@ -29,11 +29,12 @@ constexpr std::uint32_t unknown = 0xffffffff;
 constexpr std::uint64_t piece = 256;  // points a task
 
 template <typename Work>
-void for_points(std::uint64_t count, unsigned threads, const Work& work) {
-  parallel_for((count + piece - 1) / piece, threads, [&](std::uint64_t n) {
+void for_points(std::uint64_t count, unsigned threads, const Work& work, const Progress& progress = {}) {
+  const auto do_piece = [&](std::uint64_t n) {
     for (std::uint64_t p = n * piece; p < std::min(count, (n + 1) * piece); ++p)
       work(static_cast<std::uint32_t>(p));
-  });
+  };
+  parallel_for((count + piece - 1) / piece, threads, do_piece, progress);
 }
 
 std::uint32_t width(const SparsePoints& points, std::uint32_t bits) {
@@ -139,53 +140,62 @@ NeighbourLists nearby_points(const SparsePoints& points, const ColumnSketches& s
     for (std::uint32_t t = 0; t < options.tables; ++t) {
       for (std::uint32_t i = 0; i < count; ++i) places[t][orders[t][i]] = i;
     }
-    for_points(count, threads, [&](std::uint32_t p) {
-      Nearest nearest(kept);
-      for (std::uint32_t t = 0; t < options.tables; ++t) {
-        const std::uint32_t at = places[t][p];
-        const std::uint32_t end = std::min(count - 1, at + options.window);
-        for (std::uint32_t i = at - std::min(at, options.window); i <= end; ++i) {
-          const std::uint32_t q = orders[t][i];
-          if (q != p) nearest.offer(sketches.lower_bound(p, q, nearest.worst()), q);
-        }
-      }
-      for (std::size_t i = 0; i < nearest.best().size(); ++i)
-        near[std::size_t{p} * kept + i] = nearest.best()[i].second;
-    });
+    for_points(
+        count, threads,
+        [&](std::uint32_t p) {
+          Nearest nearest(kept);
+          for (std::uint32_t t = 0; t < options.tables; ++t) {
+            const std::uint32_t at = places[t][p];
+            const std::uint32_t end = std::min(count - 1, at + options.window);
+            for (std::uint32_t i = at - std::min(at, options.window); i <= end; ++i) {
+              const std::uint32_t q = orders[t][i];
+              if (q != p) nearest.offer(sketches.lower_bound(p, q, nearest.worst()), q);
+            }
+          }
+          for (std::size_t i = 0; i < nearest.best().size(); ++i)
+            near[std::size_t{p} * kept + i] = nearest.best()[i].second;
+        },
+        begin_stage(options.stages, "near columns by sketch"));
   }
   const auto neighbours = [&](std::uint32_t p) {
     return std::span<const std::uint32_t>(near).subspan(std::size_t{p} * kept, kept);
   };
   for (std::uint32_t round = 0; round < options.rounds; ++round) {
     std::vector<std::uint32_t> nearer(near.size(), unknown);
-    for_points(count, threads, [&](std::uint32_t p) {
-      std::vector<std::uint32_t> asked(neighbours(p).begin(), neighbours(p).end());
-      for (const std::uint32_t q : neighbours(p)) {
-        if (q != unknown) asked.insert(asked.end(), neighbours(q).begin(), neighbours(q).end());
-      }
-      std::sort(asked.begin(), asked.end());
-      asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
-      Nearest nearest(kept);
-      for (const std::uint32_t q : asked) {
-        if (q != p && q != unknown) nearest.offer(sketches.lower_bound(p, q, nearest.worst()), q);
-      }
-      for (std::size_t i = 0; i < nearest.best().size(); ++i)
-        nearer[std::size_t{p} * kept + i] = nearest.best()[i].second;
-    });
+    for_points(
+        count, threads,
+        [&](std::uint32_t p) {
+          std::vector<std::uint32_t> asked(neighbours(p).begin(), neighbours(p).end());
+          for (const std::uint32_t q : neighbours(p)) {
+            if (q != unknown) asked.insert(asked.end(), neighbours(q).begin(), neighbours(q).end());
+          }
+          std::sort(asked.begin(), asked.end());
+          asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+          Nearest nearest(kept);
+          for (const std::uint32_t q : asked) {
+            if (q != p && q != unknown) nearest.offer(sketches.lower_bound(p, q, nearest.worst()), q);
+          }
+          for (std::size_t i = 0; i < nearest.best().size(); ++i)
+            nearer[std::size_t{p} * kept + i] = nearest.best()[i].second;
+        },
+        begin_stage(options.stages, "near columns' near columns"));
     near = std::move(nearer);
   }
   lists.ids.assign(std::size_t{count} * wanted, unknown);
   lists.distances.assign(lists.ids.size(), unknown);
-  for_points(count, threads, [&](std::uint32_t p) {
-    Nearest nearest(wanted);
-    for (const std::uint32_t q : neighbours(p)) {
-      if (q != unknown) nearest.offer(points.distance(p, q), q);
-    }
-    for (std::size_t i = 0; i < nearest.best().size(); ++i) {
-      lists.distances[std::size_t{p} * wanted + i] = nearest.best()[i].first;
-      lists.ids[std::size_t{p} * wanted + i] = nearest.best()[i].second;
-    }
-  });
+  for_points(
+      count, threads,
+      [&](std::uint32_t p) {
+        Nearest nearest(wanted);
+        for (const std::uint32_t q : neighbours(p)) {
+          if (q != unknown) nearest.offer(points.distance(p, q), q);
+        }
+        for (std::size_t i = 0; i < nearest.best().size(); ++i) {
+          lists.distances[std::size_t{p} * wanted + i] = nearest.best()[i].first;
+          lists.ids[std::size_t{p} * wanted + i] = nearest.best()[i].second;
+        }
+      },
+      begin_stage(options.stages, "their exact distances"));
   return lists;
 }
 

@@ -7,6 +7,7 @@
 #include "layout/column_points.h"
 #include "layout/sparse_points.h"
 #include "matrix/bit_rows.h"
+#include "matrix/parallel.h"
 
 namespace vismat {
 
@@ -35,6 +36,7 @@ struct NearbyOptions {
   std::uint32_t window = 5;       // candidates to either side of a point in each
   std::uint32_t rounds = 1;       // of asking the neighbours' neighbours
   std::uint64_t seed = 1;
+  Stages stages = {};
 };
 
 /// Near points of each: candidates by min-hash, the best of them by sketch, then neighbours of neighbours; of
