@@ -80,9 +80,7 @@ Measured measure(const Options& options, double scale, const std::string& method
   const double start = now(), cpu_start = cpu();
   if (method == "scalable") {
     const SparsePoints points(matrix);
-    const ColumnSketches sketches(points, 0, options.threads);
-    const auto lists = nearby_points(points, sketches, {.seed = options.seed}, options.threads);
-    const auto visits = visits_at_scale(points, sketches, lists, options.seed, options.threads);
+    const auto visits = visits_at_scale(points, {.nearby = {.seed = options.seed}}, options.threads);
     m.order_seconds = now() - start;
     m.order_cpu_seconds = cpu() - cpu_start;
     m.runs = runs_of_visits(points, visits, options.threads);

@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "cli/progress.h"
 #include "cli/verbs.h"
 #include "layout/best_order.h"
 #include "layout/bound.h"
@@ -32,7 +33,9 @@ struct Options {
   bool symmetric = false;
   std::uint64_t memory = 0;  // bytes; 0: no limit
   ReorderingOptions order;
-  BoundOptions bound_options() const { return {.seconds = bound == "tight" ? bound_seconds : 0}; }
+  BoundOptions bound_options() const {
+    return {.seconds = bound == "tight" ? bound_seconds : 0, .stages = show_progress};
+  }
 };
 
 // One side of the matrix, seen as columns.
@@ -96,7 +99,8 @@ Result order_out_of_core(Dataset& data, const Options& options, std::uint64_t ne
   const SparsePoints points(data.matrix, folder,
                             std::min<std::uint64_t>(options.memory - needed, 1 << 30) + (1 << 16));
   data = {};
-  const auto visits = best_visits(points, {.seed = options.order.seed, .seconds = options.order.seconds});
+  const auto visits = best_visits(
+      points, {.seed = options.order.seed, .seconds = options.order.seconds, .stages = show_progress});
   result.runs_after = runs_of_visits(points, visits);
   result.order = points.order_of_columns(visits);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -191,6 +195,7 @@ void run(const Options& options) {
 
 void add_order(CLI::App& app) {
   auto options = std::make_shared<Options>();
+  options->order.stages = show_progress;
   std::string methods;
   for (const Reordering& method : reorderings()) {
     methods += "\n  " + std::string(method.name) + ": " + std::string(method.idea);

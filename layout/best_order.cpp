@@ -25,7 +25,8 @@ bool can_be_paired(const SparsePoints& points) {
 
 std::vector<std::uint32_t> shorter_of_two(const SparsePoints& points, const BestOrderOptions& options) {
   const ColumnPoints columns(matrix_of(points));
-  const NeighbourLists lists = exact_neighbours(columns, PolishedTourOptions{}.neighbours, options.threads);
+  const NeighbourLists lists = exact_neighbours(columns, PolishedTourOptions{}.neighbours, options.threads,
+                                                begin_stage(options.stages, "distances of all pairs"));
   PolishOptions polishing = PolishedTourOptions{}.polish;
   if (options.seconds > 0) polishing.kicks_per_point = 1e9;
   polishing.seed = options.seed;
@@ -33,8 +34,12 @@ std::vector<std::uint32_t> shorter_of_two(const SparsePoints& points, const Best
   Tour as_they_stand(points.size() + 1);
   std::iota(as_they_stand.begin(), as_they_stand.end(), 0u);
   std::array<Tour, 2> tours = {greedy_edge_tour(columns, lists), std::move(as_they_stand)};
-  parallel_for(tours.size(), options.threads,
-               [&](std::uint64_t t) { tours[t] = polish(columns, lists, std::move(tours[t]), polishing); });
+  const Progress kicks = begin_stage(options.stages, "kicks of the tours");
+  parallel_for(tours.size(), options.threads, [&](std::uint64_t t) {
+    PolishOptions own = polishing;
+    if (t == 0) own.progress = kicks;
+    tours[t] = polish(columns, lists, std::move(tours[t]), own);
+  });
   const bool second = tour_length(columns, tours[1]) < tour_length(columns, tours[0]);
   return visits_of_tour(std::move(tours[second]));
 }
@@ -43,9 +48,9 @@ std::vector<std::uint32_t> shorter_of_two(const SparsePoints& points, const Best
 
 std::vector<std::uint32_t> best_visits(const SparsePoints& points, const BestOrderOptions& options) {
   if (can_be_paired(points)) return shorter_of_two(points, options);
-  const ColumnSketches sketches(points, 0, options.threads);
-  const NeighbourLists lists = nearby_points(points, sketches, {.seed = options.seed}, options.threads);
-  return visits_at_scale(points, sketches, lists, options.seed, options.threads, options.seconds);
+  return visits_at_scale(
+      points, {.nearby = {.seed = options.seed, .stages = options.stages}, .seconds = options.seconds},
+      options.threads);
 }
 
 Permutation best_order(const VisibilityMatrix& matrix, const BestOrderOptions& options) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "layout/sparse_points.h"
+#include "matrix/parallel.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 
@@ -14,6 +15,7 @@ struct BestOrderOptions {
   /// If above 0, tours are polished that long; the order then depends on the machine's speed.
   double seconds = 0;
   unsigned threads = 0;
+  Stages stages = {};
 };
 
 /// Up to 20,000 distinct columns the shorter of two polished tours, beyond them, or where their pairs would take more than

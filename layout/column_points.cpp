@@ -5,7 +5,8 @@
 
 namespace vismat {
 
-NeighbourLists exact_neighbours(const ColumnPoints& points, std::uint32_t k, unsigned threads) {
+NeighbourLists exact_neighbours(const ColumnPoints& points, std::uint32_t k, unsigned threads,
+                                const Progress& progress) {
   constexpr std::uint32_t strip =
       8;  // points held against all others while these pass through the cache once
   const std::uint32_t count = points.size() + 1;
@@ -13,7 +14,7 @@ NeighbourLists exact_neighbours(const ColumnPoints& points, std::uint32_t k, uns
   NeighbourLists lists{k, std::vector<std::uint32_t>(std::size_t{count} * k),
                        std::vector<std::uint32_t>(std::size_t{count} * k)};
   if (k == 0) return lists;
-  parallel_for((count + strip - 1) / strip, threads, [&](std::uint64_t s) {
+  const auto list_strip = [&](std::uint64_t s) {
     const auto first = static_cast<std::uint32_t>(s * strip), end = std::min(count, first + strip);
     std::array<std::vector<std::uint64_t>, strip> nearest;  // keys: distance, then point
     std::array<std::uint64_t, strip> limit;                 // keys from here on are not among the k nearest
@@ -40,7 +41,8 @@ NeighbourLists exact_neighbours(const ColumnPoints& points, std::uint32_t k, uns
         lists.ids[std::size_t{p} * k + n] = static_cast<std::uint32_t>(nearest[p - first][n]);
       }
     }
-  });
+  };
+  parallel_for((count + strip - 1) / strip, threads, list_strip, progress);
   return lists;
 }
 

@@ -45,6 +45,7 @@ struct NeighbourLists {
 };
 
 /// By all pairs: columns^2 * rows / 64 word operations.
-NeighbourLists exact_neighbours(const ColumnPoints& points, std::uint32_t k, unsigned threads = 0);
+NeighbourLists exact_neighbours(const ColumnPoints& points, std::uint32_t k, unsigned threads = 0,
+                                const Progress& progress = {});
 
 }  // namespace vismat

@@ -19,6 +19,7 @@
 
 #include "layout/array_tour.h"
 #include "layout/column_points.h"
+#include "matrix/parallel.h"
 #include "matrix/random.h"
 
 namespace vismat {
@@ -217,6 +218,7 @@ struct PolishOptions {
   std::uint64_t seed = 1;
   /// If above 0, stops kicking after that long: the tour then depends on the machine's speed.
   double seconds = 0;
+  Progress progress = {};  // of the kicks, unless `seconds` bound them
 };
 
 /// From a local optimum: two neighbouring ways of up to 50 points change places, the search repairs what that touched, and
@@ -234,6 +236,7 @@ void iterate(LocalSearch<Distances>& search, const PolishOptions& options) {
   Random random(options.seed);
   std::uint32_t place = 0;
   for (std::uint64_t kick = 0; kick < most && (kick % 256 != 0 || !out_of_time()); ++kick) {
+    if (options.progress && options.seconds <= 0 && kick % 4096 == 0) options.progress(kick, most);
     place = (place + random.below(20)) % count;
     const std::uint32_t one = 1 + random.below(longest), two = 1 + random.below(longest);
     search.mark();

@@ -37,12 +37,14 @@ constexpr std::array<Reordering, 12> table = {{
        return morton_order(o.column_bounds);
      }},
     {"greedy", "always the most similar next [Zach & Karner 2003]",
-     [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_rows_greedily(transpose(m)); }},
+     [](const VisibilityMatrix& m, const ReorderingOptions& o) {
+       return order_rows_greedily(transpose(m), begin_stage(o.stages, "greedy order"));
+     }},
     {"exact-tour", "nearest unvisited neighbour from the zero point on",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_by_exact_tour(m); }},
     {"sampled-tour", "nearest of a sample, then edge flips [Chhugani et al. 2005]",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
-       return order_by_sampled_tour(m, {.seed = o.seed}, o.threads);
+       return order_by_sampled_tour(m, {.seed = o.seed, .stages = o.stages}, o.threads);
      }},
     {"flann-tour", "polished tour among columns that FLANN finds near; another at each call",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
@@ -52,7 +54,8 @@ constexpr std::array<Reordering, 12> table = {{
      }},
     {"scale-tour", "greedy edges among columns found by min-hash, 3-opt, kicks: for 10^5 columns",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
-       return order_by_scale_tour(m, {.nearby = {.seed = o.seed}, .seconds = o.seconds}, o.threads);
+       return order_by_scale_tour(m, {.nearby = {.seed = o.seed, .stages = o.stages}, .seconds = o.seconds},
+                                  o.threads);
      }},
     {"bisection", "recursive graph bisection [Dhulipala et al. 2016]",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_by_bisection(m); }},
@@ -62,12 +65,13 @@ constexpr std::array<Reordering, 12> table = {{
        if (o.seconds > 0) options.polish.kicks_per_point = 1e9;
        options.polish.seed = o.seed;
        options.polish.seconds = o.seconds;
+       options.polish.progress = begin_stage(o.stages, "kicks of the tour");
        return order_by_polished_tour(m, options, o.threads);
      }},
     {"best",
      "the one to take: the shorter of two polished tours, at scale scale-tour; never worse than identity",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
-       return best_order(m, {.seed = o.seed, .seconds = o.seconds, .threads = o.threads});
+       return best_order(m, {.seed = o.seed, .seconds = o.seconds, .threads = o.threads, .stages = o.stages});
      }},
 }};
 

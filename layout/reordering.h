@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "matrix/dataset.h"
+#include "matrix/parallel.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 
@@ -17,6 +18,7 @@ struct ReorderingOptions {
   /// If above 0, methods that can go on for ever do so that long; the order then depends on the machine's speed.
   double seconds = 0;
   unsigned threads = 0;  // 0: one a core; the order does not depend on it
+  Stages stages = {};
 };
 
 /// A plain value. Throws std::invalid_argument where it lacks what it needs.

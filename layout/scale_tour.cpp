@@ -48,22 +48,24 @@ std::vector<std::uint32_t> greedy_tour(const SparsePoints& points, const ColumnS
   return fragments.join_all([&](std::uint32_t a, std::uint32_t b) { return sketches.lower_bound(a, b); });
 }
 
-std::vector<std::uint32_t> visits_at_scale(const SparsePoints& points, const ColumnSketches& sketches,
-                                           const NeighbourLists& lists, std::uint64_t seed, unsigned threads,
-                                           double seconds) {
+std::vector<std::uint32_t> visits_at_scale(const SparsePoints& points, const ScaleOptions& options,
+                                           unsigned threads) {
+  const std::uint64_t seed = options.nearby.seed;
+  const ColumnSketches sketches(points, options.sketch_bits, threads);
+  const NeighbourLists lists = nearby_points(points, sketches, options.nearby, threads);
   std::vector<std::uint32_t> tour =
       improve_tour(points, sketches, lists, greedy_tour(points, sketches, lists, seed, threads));
-  const PolishOptions kicks{.kicks_per_point = .25, .seed = seed, .seconds = seconds};
+  const PolishOptions kicks{.kicks_per_point = .25,
+                            .seed = seed,
+                            .seconds = options.seconds,
+                            .progress = begin_stage(options.nearby.stages, "kicks of the tour")};
   return visits_of_tour(kick_tour(points, sketches, lists, std::move(tour), kicks, threads));
 }
 
 Permutation order_by_scale_tour(const VisibilityMatrix& matrix, const ScaleOptions& options,
                                 unsigned threads) {
   const SparsePoints points(matrix);
-  const ColumnSketches sketches(points, options.sketch_bits, threads);
-  const NeighbourLists lists = nearby_points(points, sketches, options.nearby, threads);
-  return points.order_of_columns(
-      visits_at_scale(points, sketches, lists, options.nearby.seed, threads, options.seconds));
+  return points.order_of_columns(visits_at_scale(points, options, threads));
 }
 
 }  // namespace vismat

@@ -23,10 +23,9 @@ std::vector<std::uint32_t> greedy_tour(const SparsePoints& points, const ColumnS
                                        const NeighbourLists& lists, std::uint64_t seed = 1,
                                        unsigned threads = 0);
 
-/// greedy_tour, improve_tour, kick_tour: the points, from the zero point on.
-std::vector<std::uint32_t> visits_at_scale(const SparsePoints& points, const ColumnSketches& sketches,
-                                           const NeighbourLists& lists, std::uint64_t seed = 1,
-                                           unsigned threads = 0, double seconds = 0);
+/// nearby_points, greedy_tour, improve_tour, kick_tour: the points, from the zero point on.
+std::vector<std::uint32_t> visits_at_scale(const SparsePoints& points, const ScaleOptions& options = {},
+                                           unsigned threads = 0);
 
 /// All of it for a matrix, equal columns collapsed. Same seed and no `seconds`, same order, for any thread count. Nearly
 /// linear in the ones; memory: the matrix once more, bits / 8 and about 200 bytes a column. Where lists

@@ -133,12 +133,16 @@ std::vector<std::uint32_t> kick_tour(const SparsePoints& points, const ColumnSke
   std::vector<std::uint32_t> place(count);
   for (std::uint64_t round = 0; round < 2 || (options.seconds > 0 && !out_of_time()); ++round) {
     for (std::uint32_t i = 0; i < count; ++i) place[tour[i]] = i;
-    parallel_for(windows, threads, [&](std::uint64_t w) {
+    const auto kick_one = [&](std::uint64_t w) {
       const auto first = static_cast<std::uint32_t>(w * count / windows),
                  end = static_cast<std::uint32_t>((w + 1) * count / windows);
       kick_window(points, sketches, lists, place, first, std::span(tour).subspan(first, end - first),
                   {.kicks_per_point = options.kicks_per_point / 2,
                    .seed = Random(options.seed, round * windows + w).next()});
+    };
+    parallel_for(windows, threads, kick_one, [&](std::uint64_t done, std::uint64_t) {
+      if (options.progress && options.seconds <= 0)
+        options.progress(round * windows + done, 2 * std::uint64_t{windows});
     });
     std::rotate(tour.begin(), tour.begin() + count / windows / 2,
                 tour.end());  // so that the cuts lie elsewhere

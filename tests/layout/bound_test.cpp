@@ -221,9 +221,7 @@ TEST(LowerBound, OfNothingAndOfOneColumn) {
 TEST(LowerBound, IsNearATourOfAScene) {
   const auto m = generate_delta_scene(power_plant_scene(1. / 256));
   const SparsePoints points(m);
-  const ColumnSketches sketches(points);
-  const auto lists = nearby_points(points, sketches, {.neighbours = 16});
-  const auto visits = visits_at_scale(points, sketches, lists);
+  const auto visits = visits_at_scale(points);
   const auto runs = runs_of_visits(points, visits);
   const auto held_karp = held_karp_bound(points, visits);
   EXPECT_LE(held_karp.runs, runs);
