@@ -308,8 +308,8 @@ def draw_convergence(results, matrices=None):
         axes.plot(of.step, 100 * (of.least_runs / of.bound.clip(lower=1) - 1), color=BLUE)
         axes.set_yscale("log")
         plain_ticks(axes.yaxis, " %")
-        axes.set_xlabel("step of the ascent")
-        axes.set_ylabel("fewest runs found above the bound")
+        axes.set_xlabel("round of the ascent")
+        axes.set_ylabel("best order above the bound")
         axes.set_title(f"{name_of(matrix)}: ends {100 * (of.least_runs.iloc[-1] / of.bound.iloc[-1] - 1):.2f} % above, {of.seconds.iloc[-1]:.1f} s", fontsize=10)
     return figure
 
@@ -367,7 +367,7 @@ def draw_scale(results):
                           edgecolors="black", s=60, zorder=4)
         panels[1].scatter(ones, paper.seconds_lists + paper.seconds_tour, marker="o" if scene == "power-plant" else "s", facecolors="none",
                           edgecolors="black", s=60, zorder=4)
-    for axes, label in zip(panels, ("runs, % of a random order's", "processor seconds of the order", "peak memory, GB")):
+    for axes, label in zip(panels, ("runs, % of a random order's", "processor seconds of the order", "peak memory, its bound included, GB")):
         axes.set_xscale("log")
         axes.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
         axes.set_xlabel("ones of the matrix")

@@ -125,7 +125,8 @@ void add_shape(const char* study, double parameter, const VisibilityMatrix& plan
     if (method.name == "morton") continue;  // knows no matrix, only boxes
     const Permutation order = method.order_columns(matrix, {});
     results.push_back({method.name, runs_in(matrix, order)});
-    if (results.back().runs < least) {
+    if (results.back().runs < least &&
+        method.name != "flann-tour") {  // the bound is to be the same each time
       least = results.back().runs;
       best = order;
     }
