@@ -26,7 +26,7 @@ BLUE, RED, GREY = "#1f4e79", "#b03a2e", "#777777"
 # Each method's colour and marker, the same in all charts.
 METHODS = {"identity": ("#999999", "s"), "random": ("#cccccc", "o"), "lexicographic": ("#8d6e63", "v"), "morton": ("#c0a060", "^"),
            "bisection": ("#7e57c2", "<"), "neighbours": ("#558b2f", "D"), "greedy": ("#9ccc65", "P"), "exact-tour": ("#26a69a", "X"),
-           "sampled-tour": ("#ef6c00", "o"), "flann-tour": ("#d81b60", "*"), "scale-tour": ("#42a5f5", "h"), "scalable": ("#42a5f5", "h"),
+           "sampled-tour": ("#ef6c00", "o"), "flann-tour": ("#d81b60", "*"), "scale-tour": ("#42a5f5", "h"),
            "polished-tour": ("#1f4e79", "D"), "best": ("#000000", "*")}
 SCENES = {"power-plant": "power plant", "city": "city"}
 
@@ -181,7 +181,7 @@ def table_of_scale(results):
                          "above the\nbound": f"{row.runs / bound - 1:.1%}" if bound > 0 else "-",
                          "bound": "-" if bound == 0 else "Held-Karp" if bound == row.held_karp else "two-nearest",
                          "seconds": f"{row.order_seconds:.2f}", "processor\nseconds": f"{row.order_cpu_seconds:.2f}",
-                         "peak GB,\nbound too": f"{row.peak_bytes / 1e9:.2f}",
+                         "peak GB": f"{row.peak_bytes / 1e9:.2f}",
                          "seconds ~\nones^": growth("order_cpu_seconds") if last and row.method != "random" else "",
                          "memory ~\nones^": growth("peak_bytes") if last else ""})
     return pd.DataFrame(rows)

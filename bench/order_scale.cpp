@@ -1,42 +1,35 @@
 // What orders at the papers' scale cost: runs, bounds, seconds and peak memory of synthetic scenes of growing
 // size.
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
-#include <functional>
-#include <iostream>
 #include <map>
-#include <numeric>
-#include <span>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "bench/measure.h"
+#include "layout/cost.h"
 #include "layout/held_karp.h"
 #include "layout/nearest_bound.h"
+#include "layout/random_order.h"
 #include "layout/sampled_tour.h"
 #include "layout/scale_tour.h"
 #include "matrix/atomic_file.h"
 #include "matrix/generate.h"
-#include "matrix/random.h"
 
 namespace {
 
 using namespace vismat;
+using bench::peak_bytes;
+using bench::processor_seconds;
+using bench::wall_seconds;
 
 struct Options {
   std::string scene = "power-plant";
   bool harder = false;
   std::vector<double> scales = {1. / 64, 1. / 16};
-  std::vector<std::string> methods = {"sampled-tour", "scalable"};
+  std::vector<std::string> methods = {"sampled-tour", "scale-tour"};
   std::uint32_t most_held_karp = 30000;
   unsigned threads = 0;
   std::uint64_t seed = 1;
@@ -46,26 +39,9 @@ struct Options {
 // What a child reports; all plain numbers, as it comes through a pipe.
 struct Measured {
   std::uint32_t rows, columns;
-  std::uint64_t ones, runs, two_nearest, held_karp;
+  std::uint64_t ones, runs, two_nearest, held_karp, peak_bytes;
   double order_seconds, order_cpu_seconds, two_nearest_seconds, held_karp_seconds;
 };
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// Of all threads; what the order would take on a machine to itself lies between this and this over its
-// threads.
-double cpu() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-std::vector<std::uint32_t> shuffled(std::uint32_t count, Random random) {
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0u);
-  for (std::uint32_t i = count; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
-  return order;
-}
 
 DeltaSceneOptions scene_of(const Options& options, double scale) {
   DeltaSceneOptions scene =
@@ -76,60 +52,39 @@ DeltaSceneOptions scene_of(const Options& options, double scale) {
 
 Measured measure(const Options& options, double scale, const std::string& method) {
   const VisibilityMatrix matrix = generate_delta_scene(scene_of(options, scale), options.threads);
-  Measured m{matrix.shape().rows, matrix.shape().columns, matrix.ones(), 0, 0, 0, 0, 0, 0, 0};
-  const double start = now(), cpu_start = cpu();
-  if (method == "scalable") {
+  Measured m{matrix.shape().rows, matrix.shape().columns, matrix.ones(), 0, 0, 0, 0, 0, 0, 0, 0};
+  const double start = wall_seconds(), cpu_start = processor_seconds();
+  if (method == "scale-tour") {
     const SparsePoints points(matrix);
     const auto visits = visits_at_scale(points, {.nearby = {.seed = options.seed}}, options.threads);
-    m.order_seconds = now() - start;
-    m.order_cpu_seconds = cpu() - cpu_start;
+    m.order_seconds = wall_seconds() - start;
+    m.order_cpu_seconds = processor_seconds() - cpu_start;
+    m.peak_bytes = peak_bytes();
     m.runs = runs_of_visits(points, visits, options.threads);
-    const double certifying = now();
+    const double certifying = wall_seconds();
     m.two_nearest = two_nearest_bound(points, visits, {}, options.threads);
-    m.two_nearest_seconds = now() - certifying;
+    m.two_nearest_seconds = wall_seconds() - certifying;
     if (points.size() <= options.most_held_karp) {
-      const double ascending = now();
+      const double ascending = wall_seconds();
       m.held_karp = held_karp_bound(points, visits, {.threads = options.threads}).runs;
-      m.held_karp_seconds = now() - ascending;
+      m.held_karp_seconds = wall_seconds() - ascending;
     }
     return m;
   }
-  std::vector<std::uint32_t> order;
+  Permutation order;
   if (method == "sampled-tour") {
     const auto neighbours = static_cast<std::uint32_t>(std::max(8., std::round(700 * scale)));
     const std::uint32_t samples = neighbours * (options.scene == "city" ? 32 : 16);  // as the paper reports
     const SampledTourOptions sampling{.neighbours = neighbours, .samples = samples, .seed = options.seed};
-    order = order_by_sampled_tour(matrix, sampling, options.threads).old_of_new();
+    order = order_by_sampled_tour(matrix, sampling, options.threads);
   } else {
-    order = shuffled(m.columns, Random(options.seed, 1));
+    order = random_order(m.columns, options.seed);
   }
-  m.order_seconds = now() - start;
-  m.order_cpu_seconds = cpu() - cpu_start;
-  m.runs = runs_of_visits(SparsePoints(matrix, false), order, options.threads);
+  m.order_seconds = wall_seconds() - start;
+  m.order_cpu_seconds = processor_seconds() - cpu_start;
+  m.peak_bytes = peak_bytes();
+  m.runs = count_runs(matrix, order);
   return m;
-}
-
-// In a child, so that each peak is of one method alone. Returns the peak in bytes.
-std::uint64_t measure_apart(const std::function<Measured()>& work, Measured& result) {
-  int pipe_ends[2];
-  if (pipe(pipe_ends) != 0) throw std::runtime_error("no pipe to be had");
-  std::cout.flush();
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no process to be had");
-  if (child == 0) {
-    close(pipe_ends[0]);
-    const Measured m = work();
-    const bool written = write(pipe_ends[1], &m, sizeof m) == sizeof m;
-    _exit(written ? 0 : 1);
-  }
-  close(pipe_ends[1]);
-  const bool whole = read(pipe_ends[0], &result, sizeof result) == sizeof result;
-  close(pipe_ends[0]);
-  int status = 0;
-  rusage usage{};
-  wait4(child, &status, 0, &usage);
-  if (!whole || status != 0) throw std::runtime_error("a measurement ended early: out of memory?");
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 // Growth of a cost from one size to the next, as an exponent of the ones.
@@ -151,12 +106,12 @@ void run(const Options& options) {
   std::map<std::string, Before> before;
   for (const double scale : options.scales) {
     double random_runs = 0;
-    for (const std::string method : {"random", "sampled-tour", "scalable"}) {
+    for (const std::string method : {"random", "sampled-tour", "scale-tour"}) {
       if (method != "random" && std::count(options.methods.begin(), options.methods.end(), method) == 0)
         continue;
-      Measured m{};
-      const auto peak =
-          static_cast<double>(measure_apart([&] { return measure(options, scale, method); }, m));
+      const Measured m =
+          bench::apart<Measured>([&] { return std::vector{measure(options, scale, method)}; }).front();
+      const auto peak = static_cast<double>(m.peak_bytes);
       const auto runs = static_cast<double>(m.runs), ones = static_cast<double>(m.ones);
       if (method == "random") random_runs = runs;
       const auto per = [&](std::uint64_t bound) {
@@ -174,13 +129,10 @@ void run(const Options& options) {
       std::printf("\n");
       std::fflush(stdout);
       last = {ones, m.order_cpu_seconds, peak};
-      std::ostringstream line;
-      line << options.scene << ',' << options.harder << ',' << scale << ',' << m.rows << ',' << m.columns
-           << ',' << m.ones << ',' << method << ',' << m.runs << ',' << runs / random_runs << ','
-           << m.two_nearest << ',' << m.held_karp << ',' << m.order_seconds << ',' << m.order_cpu_seconds
-           << ',' << m.two_nearest_seconds << ',' << m.held_karp_seconds << ','
-           << static_cast<std::uint64_t>(peak) << ',' << options.threads << ',' << options.seed << '\n';
-      csv += line.str();
+      csv += bench::csv_line(options.scene, options.harder, scale, m.rows, m.columns, m.ones, method, m.runs,
+                             runs / random_runs, m.two_nearest, m.held_karp, m.order_seconds,
+                             m.order_cpu_seconds, m.two_nearest_seconds, m.held_karp_seconds, m.peak_bytes,
+                             options.threads, options.seed);
     }
   }
   if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
@@ -197,7 +149,7 @@ int main(int argc, char** argv) {
   app.add_option("--scale", options.scales, "shares of the paper's size, growing")
       ->check(CLI::Range(1e-4, 1.));
   app.add_option("--method", options.methods, "beside the random order")
-      ->check(CLI::IsMember({"sampled-tour", "scalable"}));
+      ->check(CLI::IsMember({"sampled-tour", "scale-tour"}));
   app.add_option("--held-karp", options.most_held_karp,
                  "distinct columns up to which Held and Karp's bound is made too");
   app.add_option("--threads", options.threads, "0: one a core");
