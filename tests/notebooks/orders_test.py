@@ -74,6 +74,7 @@ class Orders(unittest.TestCase):
     def test_notebook_draws_all_charts(self):
         notebook = nbformat.read(ROOT / "notebooks/orders.ipynb", as_version=4)
         self.assertTrue(all(not cell.get("outputs") for cell in notebook.cells), "committed with outputs")
+        self.assertFalse([cell.source for cell in notebook.cells if cell.source.isalpha()], "words still to be written")
         os.environ["VISMAT_OUT"] = str(self.out)
         NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(ROOT / "notebooks")}}).execute()
         outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
