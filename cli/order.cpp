@@ -221,7 +221,7 @@ void add_order(CLI::App& app) {
       ->check(CLI::IsMember({"none", "quick", "tight"}))
       ->capture_default_str();
   verb->add_option("--bound-seconds", options->bound_seconds, "How long --bound tight goes on")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-3, 1e7))
       ->capture_default_str();
   verb->add_option("--memory", options->memory,
                    "Bytes to order columns in, such as 12G; where they do not suffice, best and scale-tour "
