@@ -180,7 +180,7 @@ def table_of_scale(results):
                          "runs": f"{row.runs:,}", "of random": f"{row.runs_per_random:.3f}",
                          "above the\nbound": f"{row.runs / bound - 1:.1%}" if bound > 0 else "-",
                          "bound": "-" if bound == 0 else "Held-Karp" if bound == row.held_karp else "two-nearest",
-                         "seconds": f"{row.order_seconds:.2f}", "processor\nseconds": f"{row.order_cpu_seconds:.2f}",
+                         "seconds": f"{row.order_seconds:.2f}", "processor\nseconds": "-" if numpy.isnan(row.order_cpu_seconds) else f"{row.order_cpu_seconds:.2f}",
                          "peak GB": f"{row.peak_bytes / 1e9:.2f}",
                          "seconds ~\nones^": growth("order_cpu_seconds") if last and row.method != "random" else "",
                          "memory ~\nones^": growth("peak_bytes") if last else ""})
@@ -367,7 +367,7 @@ def draw_scale(results):
                           edgecolors="black", s=60, zorder=4)
         panels[1].scatter(ones, paper.seconds_lists + paper.seconds_tour, marker="o" if scene == "power-plant" else "s", facecolors="none",
                           edgecolors="black", s=60, zorder=4)
-    for axes, label in zip(panels, ("runs, % of a random order's", "processor seconds of the order", "peak memory, its bound included, GB")):
+    for axes, label in zip(panels, ("runs, % of a random order's", "processor seconds of the order", "peak memory of the order, GB")):
         axes.set_xscale("log")
         axes.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
         axes.set_xlabel("ones of the matrix")

@@ -17,7 +17,7 @@
 // the runs, hence runs >= (W - 2 sum(p)) / (2 scale), rounded up, whatever the potentials: the floating-point
 // steps that led to them do not matter. Distances that are cut off at 65535 only lower W.
 //
-// Measured (bench/order_scale, two cores that others used as well): power plant at 1/16, 24,400 points, 12 rounds of 50
+// Measured (bench/order_scale, two cores that others used as well): power plant at 1/16, 24,400 points, 8 rounds of 50
 // steps in 22 s, the scale tour 3.7 % above; at 1/64, 5,900 points, 1.5 s and 3.8 %. A step takes 3 ms at the
 // former size, a pricing half a second, the table of pairs 3 s; ascending over all pairs took .9 s a step.
 //
