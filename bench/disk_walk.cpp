@@ -31,6 +31,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/measure.h"
 #include "layout/cost.h"
 #include "layout/disk.h"
 #include "layout/reordering.h"
@@ -185,7 +186,7 @@ void run(const Options& options, const std::string& where, std::string& csv) {
     const auto order = find_reordering(name).order_columns(
         ordered_by, {.seed = options.seed, .column_bounds = level.face_bounds});
     layouts.emplace_back(bytes, order);
-    runs.push_back(count_runs(permute(deltas, Permutation::identity(deltas.shape().rows), order)));
+    runs.push_back(count_runs(deltas, order));
   }
   const std::uint64_t total = layouts.front().total_bytes();
   const auto held = static_cast<std::uint64_t>(options.cache * static_cast<double>(total));
@@ -217,11 +218,8 @@ void run(const Options& options, const std::string& where, std::string& csv) {
                     static_cast<unsigned long long>(count.reads), static_cast<double>(count.bytes_read) / 1e6,
                     static_cast<double>(count.bytes_wanted) / 1e6, fewer(count.reads, reads_of("random")),
                     fewer(count.reads, reads_of("identity")));
-        csv += short_name(level.name) + ',' + options.layouts[i] + ',' + std::to_string(page) + ',' +
-               std::to_string(ahead) + ',' + std::to_string(options.steps) + ',' +
-               std::to_string(count.reads) + ',' + std::to_string(count.bytes_read) + ',' +
-               std::to_string(count.bytes_wanted) + ',' + std::to_string(total) + ',' + std::to_string(held) +
-               ',' + std::to_string(runs[i]) + '\n';
+        csv += bench::csv_line(short_name(level.name), options.layouts[i], page, ahead, options.steps,
+                               count.reads, count.bytes_read, count.bytes_wanted, total, held, runs[i]);
       }
     }
   }

@@ -14,7 +14,6 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +21,7 @@
 #include "bench/measure.h"
 #include "layout/column_points.h"
 #include "layout/distinct_columns.h"
+#include "layout/random_order.h"
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
 #include "matrix/generate.h"
@@ -40,15 +40,6 @@ struct Options {
   std::uint32_t trials = 200;
   std::uint64_t seed = 1;
 };
-
-// The first `count` of a random order of [0, size).
-std::vector<std::uint32_t> some_of(std::uint32_t size, std::uint32_t count, Random& random) {
-  std::vector<std::uint32_t> order(size);
-  std::iota(order.begin(), order.end(), 0u);
-  for (std::uint32_t i = 0; i < count; ++i) std::swap(order[i], order[i + random.below(size - i)]);
-  order.resize(count);
-  return order;
-}
 
 struct Tables {
   std::string density =
@@ -92,7 +83,7 @@ Shares mean_shares(const ColumnPoints& points, std::uint32_t size, const Options
   std::vector<Shares> trials(options.trials);
   parallel_for(options.trials, 0, [&](std::uint64_t trial) {
     Random random(options.seed, trial);
-    const auto distances = distances_of_first(points, some_of(points.size(), size, random));
+    const auto distances = distances_of_first(points, random_sample(points.size(), size, random));
     Shares& shares = trials[trial];
     shares.twice = share_within(distances, 2. * distances.front());
     for (std::size_t i = 0; i < shares.within.size(); ++i)

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <flann/flann.hpp>
 #include <iostream>
 #include <span>
@@ -16,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/measure.h"
 #include "layout/distinct_columns.h"
 #include "layout/flann_tour.h"
 #include "matrix/atomic_file.h"
@@ -25,6 +25,7 @@
 namespace {
 
 using namespace vismat;
+using bench::processor_seconds;
 
 struct Options {
   std::vector<std::uint32_t> rows = {256, 1024, 4096, 16384};
@@ -33,10 +34,6 @@ struct Options {
   std::uint64_t seed = 1;
   std::string csv;
 };
-
-double cpu() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 BitRows clustered_columns(std::uint32_t rows, double density, const Options& options) {
   Random random(options.seed, rows + static_cast<std::uint64_t>(density * 1e6));
@@ -85,10 +82,10 @@ Measured measure(BitRows& columns, const std::vector<Distances>& truth,
   flann::Matrix<unsigned char> points(reinterpret_cast<unsigned char*>(columns.row(0).data()),
                                       columns.shape().rows, columns.words_per_row() * 8);
   Measured result;
-  double start = cpu();
+  double start = processor_seconds();
   flann::Index<Hamming> index(points, index_options);
   index.buildIndex();
-  result.build_seconds = cpu() - start;
+  result.build_seconds = processor_seconds() - start;
 
   const std::size_t queries = truth.size(), asked = std::size_t{k} + 1;
   constexpr std::size_t none = ~std::size_t{0};
@@ -96,10 +93,10 @@ Measured measure(BitRows& columns, const std::vector<Distances>& truth,
   std::vector<unsigned> distances(queries * asked);
   flann::Matrix<std::size_t> found(ids.data(), queries, asked);
   flann::Matrix<unsigned> found_distances(distances.data(), queries, asked);
-  start = cpu();
+  start = processor_seconds();
   index.knnSearch(flann::Matrix<unsigned char>(points.ptr(), queries, points.cols), found, found_distances,
                   asked, flann::SearchParams(checks));
-  result.us_per_query = (cpu() - start) * 1e6 / static_cast<double>(queries);
+  result.us_per_query = (processor_seconds() - start) * 1e6 / static_cast<double>(queries);
   std::uint64_t right = 0, all = 0;
   for (std::size_t q = 0; q < queries; ++q) {
     const std::size_t wanted = truth[q].size();
@@ -137,10 +134,10 @@ void run(const Options& options) {
         csv += line;
       };
       std::vector<Distances> truth;
-      const double start = cpu();
+      const double start = processor_seconds();
       for (std::uint32_t q = 0; q < std::min(options.queries, count); ++q)
         truth.push_back(scan(columns, q, k));
-      report("scan", {1, (cpu() - start) * 1e6 / static_cast<double>(truth.size()), 0});
+      report("scan", {1, (processor_seconds() - start) * 1e6 / static_cast<double>(truth.size()), 0});
       const FlannOptions chosen;
       report("hierarchical",
              measure(columns, truth,

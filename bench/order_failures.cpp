@@ -60,15 +60,7 @@ struct Named {
   VisibilityMatrix matrix;
 };
 
-std::uint64_t runs_in(const VisibilityMatrix& matrix, const Permutation& columns) {
-  return count_runs(permute(matrix, Permutation::identity(matrix.shape().rows), columns));
-}
-
 // ---- synthetic matrices, columns in their planted order ---------------------------------------------------
-
-bool chance(Random& random, double share) {
-  return static_cast<double>(random.next() >> 11) * 0x1p-53 < share;
-}
 
 using Rows = std::vector<std::vector<bool>>;
 
@@ -85,7 +77,7 @@ VisibilityMatrix matrix_of(const Rows& rows, std::uint32_t columns) {
 Rows random_rows(std::uint32_t rows, std::uint32_t columns, double density, Random& random) {
   Rows result(rows, std::vector<bool>(columns));
   for (auto& row : result) {
-    for (std::uint32_t c = 0; c < columns; ++c) row[c] = chance(random, density);
+    for (std::uint32_t c = 0; c < columns; ++c) row[c] = random.fraction() < density;
   }
   return result;
 }
@@ -105,7 +97,7 @@ Rows blocks(std::uint32_t rows, std::uint32_t columns, Random& random) {
 
 void flip(Rows& rows, double share, Random& random) {
   for (auto& row : rows) {
-    for (std::size_t c = 0; c < row.size(); ++c) row[c] = row[c] != chance(random, share);
+    for (std::size_t c = 0; c < row.size(); ++c) row[c] = row[c] != (random.fraction() < share);
   }
 }
 
@@ -124,7 +116,7 @@ void add_shape(const char* study, double parameter, const VisibilityMatrix& plan
   for (const Reordering& method : reorderings()) {
     if (method.name == "morton") continue;  // knows no matrix, only boxes
     const Permutation order = method.order_columns(matrix, {});
-    results.push_back({method.name, runs_in(matrix, order)});
+    results.push_back({method.name, count_runs(matrix, order)});
     if (results.back().runs < least &&
         method.name != "flann-tour") {  // the bound is to be the same each time
       least = results.back().runs;
@@ -202,7 +194,7 @@ std::string samples(const std::vector<Named>& matrices) {
       "seconds\n";
   for (const Named& m : matrices) {
     const std::uint32_t columns = m.matrix.shape().columns;
-    const auto exact = runs_in(m.matrix, find_reordering("exact-tour").order_columns(m.matrix, {}));
+    const auto exact = count_runs(m.matrix, find_reordering("exact-tour").order_columns(m.matrix, {}));
     const std::uint64_t bound =
         lower_bound(m.matrix, find_reordering("best").order_columns(m.matrix, {})).runs;
     for (const std::uint32_t share : {64u, 16u, 4u, 1u}) {
@@ -213,7 +205,7 @@ std::string samples(const std::vector<Named>& matrices) {
           const double start = wall_seconds(), cpu = processor_seconds();
           const Permutation order =
               order_by_sampled_tour(m.matrix, {.neighbours = k, .samples = sampled, .flip_edges = flips});
-          csv += csv_line(m.name, columns, share, sampled, part, k, flips, runs_in(m.matrix, order), exact,
+          csv += csv_line(m.name, columns, share, sampled, part, k, flips, count_runs(m.matrix, order), exact,
                           mean_runs_of_random(m.matrix), bound, wall_seconds() - start,
                           processor_seconds() - cpu);
         }
@@ -231,7 +223,7 @@ std::string seeds(const std::vector<Named>& matrices, const Options& options) {
     std::set<std::pair<double, double>> first_two;
     const auto add = [&](std::string_view name, const std::function<Permutation(std::uint64_t)>& order) {
       const auto runs_of = [&](std::uint64_t seed) {
-        return static_cast<double>(runs_in(m.matrix, order(seed)));
+        return static_cast<double>(count_runs(m.matrix, order(seed)));
       };
       std::vector<double> runs(options.seeds);
       runs[0] = runs_of(1);

@@ -6,7 +6,6 @@
 // Writes FOLDER/zach2003_scenes.csv (Table 1) and FOLDER/zach2003.csv (Table 2 and more), a line a codec and
 // row order. Seconds are medians of up to five runs within two seconds.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -32,9 +31,9 @@ using namespace vismat;
 using namespace vismat::bench;
 
 double seconds_of(const auto& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = wall_seconds();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return wall_seconds() - start;
 }
 
 double median_seconds(const auto& work) {

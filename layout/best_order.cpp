@@ -28,7 +28,6 @@ std::vector<std::uint32_t> shorter_of_two(const SparsePoints& points, const Best
   const NeighbourLists lists = exact_neighbours(columns, PolishedTourOptions{}.neighbours, options.threads,
                                                 begin_stage(options.stages, "distances of all pairs"));
   PolishOptions polishing = PolishedTourOptions{}.polish;
-  if (options.seconds > 0) polishing.kicks_per_point = 1e9;
   polishing.seed = options.seed;
   polishing.seconds = options.seconds;
   Tour as_they_stand(points.size() + 1);

@@ -1,7 +1,6 @@
 #include "layout/fragments.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace vismat {
 namespace {
@@ -20,24 +19,17 @@ std::vector<Edge> edges_of(const NeighbourLists& lists) {
   return edges;
 }
 
-Fragments::Fragments(std::uint32_t size) : root_(size), links_(size, {none, none}) {
-  std::iota(root_.begin(), root_.end(), 0u);
-}
+Fragments::Fragments(std::uint32_t size) : components_(size), links_(size, {none, none}) {}
 
 bool Fragments::is_end(std::uint32_t p) const {
   return links_[p][1] == none;
-}
-
-std::uint32_t Fragments::find(std::uint32_t p) {  // halves the path
-  while (root_[p] != p) p = root_[p] = root_[root_[p]];
-  return p;
 }
 
 void Fragments::join_shortest_first(std::vector<Edge>& edges) {
   std::sort(edges.begin(), edges.end());
   for (const Edge& e : edges) {
     if (!is_end(e.a) || !is_end(e.b) || same(e.a, e.b)) continue;
-    root_[find(e.a)] = find(e.b);
+    components_.join(components_.find(e.a), components_.find(e.b));
     links_[e.a][links_[e.a][0] != none] = e.b;
     links_[e.b][links_[e.b][0] != none] = e.a;
   }
@@ -45,7 +37,7 @@ void Fragments::join_shortest_first(std::vector<Edge>& edges) {
 
 std::vector<std::uint32_t> Fragments::ends() const {
   std::vector<std::uint32_t> ends;
-  for (std::uint32_t p = 0; p < root_.size(); ++p) {
+  for (std::uint32_t p = 0; p < links_.size(); ++p) {
     if (is_end(p)) ends.push_back(p);
   }
   return ends;
@@ -53,7 +45,7 @@ std::vector<std::uint32_t> Fragments::ends() const {
 
 std::vector<std::uint32_t> Fragments::walk() const {
   std::vector<std::uint32_t> way;
-  way.reserve(root_.size());
+  way.reserve(links_.size());
   for (std::uint32_t at = ends().front(), from = none; at != none;) {
     way.push_back(at);
     const std::uint32_t to = links_[at][0] != from ? links_[at][0] : links_[at][1];

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "layout/column_points.h"
+#include "layout/components.h"
 
 namespace vismat {
 
@@ -24,7 +25,7 @@ class Fragments {
   void join_shortest_first(std::vector<Edge>& edges);
   /// Points with less than two neighbours, ascending.
   std::vector<std::uint32_t> ends() const;
-  bool same(std::uint32_t a, std::uint32_t b) { return find(a) == find(b); }
+  bool same(std::uint32_t a, std::uint32_t b) { return components_.find(a) == components_.find(b); }
   /// Once one is left: its points from one end to the other.
   std::vector<std::uint32_t> walk() const;
 
@@ -44,8 +45,7 @@ class Fragments {
 
  private:
   bool is_end(std::uint32_t p) const;
-  std::uint32_t find(std::uint32_t p);
-  std::vector<std::uint32_t> root_;
+  Components components_;
   std::vector<std::array<std::uint32_t, 2>> links_;
 };
 

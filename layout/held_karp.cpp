@@ -33,6 +33,7 @@
 #include <numeric>
 #include <utility>
 
+#include "layout/components.h"
 #include "layout/pair_distances.h"
 
 namespace vismat {
@@ -40,20 +41,6 @@ namespace {
 
 constexpr std::int32_t scale = 256;
 constexpr double most_potential = 2.6e8;  // twice that and 65535 * scale fit into 31 bits
-
-// Union-find with path halving.
-class Components {
- public:
-  explicit Components(std::uint32_t size) : root_(size) { std::iota(root_.begin(), root_.end(), 0u); }
-  std::uint32_t find(std::uint32_t p) {
-    while (root_[p] != p) p = root_[p] = root_[root_[p]];
-    return p;
-  }
-  void join(std::uint32_t child, std::uint32_t parent) { root_[child] = parent; }
-
- private:
-  std::vector<std::uint32_t> root_;
-};
 
 // Ascending by the upper half; `buffer` is for its use.
 void sort_by_high_word(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& buffer) {

@@ -213,10 +213,10 @@ class LocalSearch {
 };
 
 struct PolishOptions {
-  /// Kicks of iterated local search a point, after the first local optimum; 0: none.
+  /// Kicks of iterated local search a point, after the first local optimum; 0: none. `seconds` override it.
   double kicks_per_point = 50;
   std::uint64_t seed = 1;
-  /// If above 0, stops kicking after that long: the tour then depends on the machine's speed.
+  /// If above 0, kicks for that long: the tour then depends on the machine's speed.
   double seconds = 0;
   Progress progress = {};  // of the kicks, unless `seconds` bound them
 };
@@ -232,7 +232,8 @@ void iterate(LocalSearch<Distances>& search, const PolishOptions& options) {
     return options.seconds > 0 &&
            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > options.seconds;
   };
-  const auto most = static_cast<std::uint64_t>(options.kicks_per_point * count);
+  const std::uint64_t most =
+      options.seconds > 0 ? ~std::uint64_t{0} : static_cast<std::uint64_t>(options.kicks_per_point * count);
   Random random(options.seed);
   std::uint32_t place = 0;
   for (std::uint64_t kick = 0; kick < most && (kick % 256 != 0 || !out_of_time()); ++kick) {

@@ -48,9 +48,8 @@ constexpr std::array<Reordering, 12> table = {{
      }},
     {"flann-tour", "polished tour among columns that FLANN finds near; another at each call",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
-       PolishOptions polish{.kicks_per_point = 20, .seed = o.seed};
-       if (o.seconds > 0) polish = {.kicks_per_point = 1e9, .seed = o.seed, .seconds = o.seconds};
-       return order_by_flann_tour(m, {}, polish, o.threads);
+       return order_by_flann_tour(m, {}, {.kicks_per_point = 20, .seed = o.seed, .seconds = o.seconds},
+                                  o.threads);
      }},
     {"scale-tour", "greedy edges among columns found by min-hash, 3-opt, kicks: for 10^5 columns",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
@@ -62,7 +61,6 @@ constexpr std::array<Reordering, 12> table = {{
     {"polished-tour", "greedy edge, 3-opt, then kicks by segment insertion",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        PolishedTourOptions options;
-       if (o.seconds > 0) options.polish.kicks_per_point = 1e9;
        options.polish.seed = o.seed;
        options.polish.seconds = o.seconds;
        options.polish.progress = begin_stage(o.stages, "kicks of the tour");

@@ -13,7 +13,9 @@
 #include <string>
 #include <utility>
 
+#include "layout/random_order.h"
 #include "layout/sparse_search.h"
+#include "layout/tour.h"
 #include "matrix/parallel.h"
 #include "matrix/random.h"
 
@@ -25,12 +27,9 @@ constexpr std::uint32_t most_samples = 65535;  // a sampled column's number with
 
 // `count` different columns, ascending.
 std::vector<std::uint32_t> sample_of(std::uint32_t columns, std::uint32_t count, Random random) {
-  std::vector<std::uint32_t> all(columns);
-  std::iota(all.begin(), all.end(), 0u);
-  for (std::uint32_t i = 0; i < count; ++i) std::swap(all[i], all[i + random.below(columns - i)]);
-  all.resize(count);
-  std::sort(all.begin(), all.end());
-  return all;
+  std::vector<std::uint32_t> sample = random_sample(columns, count, random);
+  std::sort(sample.begin(), sample.end());
+  return sample;
 }
 
 // Which of a sample's columns have a one in a row.
@@ -146,10 +145,8 @@ Permutation order_by_sampled_tour(const VisibilityMatrix& matrix, const SampledT
   if (options.flip_edges) {
     lists.ids = {};
     tour.push_back(points.zero());
-    tour = improve_tour(points, ColumnSketches(points, 0, threads), lists.nearest, std::move(tour),
-                        {.three_opt = false, .longest_flip = count});
-    std::rotate(tour.begin(), std::find(tour.begin(), tour.end(), points.zero()), tour.end());
-    tour.erase(tour.begin());
+    tour = visits_of_tour(improve_tour(points, ColumnSketches(points, 0, threads), lists.nearest,
+                                       std::move(tour), {.three_opt = false, .longest_flip = count}));
   }
   return points.order_of_columns(tour);
 }

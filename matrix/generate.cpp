@@ -37,11 +37,8 @@ namespace {
 
 constexpr std::uint32_t sectors = 64;
 
-double unit(Random& random) {
-  return static_cast<double>(random.next() >> 11) * 0x1p-53;
-}
 double pareto(Random& random, double tail, double most) {
-  return std::min(most, std::pow(1 - unit(random), -1 / tail));
+  return std::min(most, std::pow(1 - random.fraction(), -1 / tail));
 }
 
 // Boundaries of side * side cells: number 2 (y side + x) lies left of cell (x, y), the next one above it.
@@ -96,14 +93,14 @@ class Site {
   Site(const Grid& grid, const DeltaSceneOptions& options, std::uint32_t number, double size)
       : private_view_(options.private_view) {
     Random random(options.seed, 2 * std::uint64_t{number} + 1);
-    const double side = grid.side(), x = side * unit(random), y = side * unit(random);
+    const double side = grid.side(), x = side * random.fraction(), y = side * random.fraction();
     const double range = size * side * pareto(random, options.range_tail, 30);
     std::array<std::array<double, 2>, sectors> radius;
     for (std::uint32_t s = 0; s < sectors; ++s) {
-      radius[s][0] = range * (.3 + .7 * unit(random));
-      radius[s][1] = radius[s][0] * (1.1 + .9 * unit(random));
-      for (double& n : planes_[s].normal) n = unit(random) - .5;
-      planes_[s].through = {unit(random), unit(random), unit(random)};
+      radius[s][0] = range * (.3 + .7 * random.fraction());
+      radius[s][1] = radius[s][0] * (1.1 + .9 * random.fraction());
+      for (double& n : planes_[s].normal) n = random.fraction() - .5;
+      planes_[s].through = {random.fraction(), random.fraction(), random.fraction()};
     }
     const auto corner = [&](std::uint32_t ray, double r) {
       const double angle = 2 * std::numbers::pi * ray / sectors;
@@ -124,13 +121,13 @@ class Site {
 
   // Toggles the bits of an object's rim.
   void add_object(Random random, std::vector<std::uint64_t>& bits) const {
-    const std::array<double, 3> place = {unit(random), unit(random), unit(random)};
+    const std::array<double, 3> place = {random.fraction(), random.fraction(), random.fraction()};
     std::uint64_t far = 0;
     for (std::uint32_t s = 0; s < sectors; ++s) {
       const Plane& plane = planes_[s];
       double side = 0;
       for (std::uint32_t i = 0; i < 3; ++i) side += plane.normal[i] * (place[i] - plane.through[i]);
-      const bool own = unit(random) < private_view_;
+      const bool own = random.fraction() < private_view_;
       far |= std::uint64_t{own ? random.next() >> 63 : side > 0} << s;
     }
     const std::uint64_t far_after = std::rotr(far, 1);
@@ -212,7 +209,7 @@ VisibilityMatrix generate_delta_scene(const DeltaSceneOptions& options, unsigned
   for (double& up_to : crowd_up_to) up_to = crowd += pareto(random, options.crowd_tail, 100);
   std::vector<std::vector<std::uint32_t>> columns_of_site(options.sites);
   for (std::uint32_t c = 0; c < options.shape.columns; ++c) {
-    const auto site = std::upper_bound(crowd_up_to.begin(), crowd_up_to.end() - 1, crowd * unit(random));
+    const auto site = std::upper_bound(crowd_up_to.begin(), crowd_up_to.end() - 1, crowd * random.fraction());
     columns_of_site[static_cast<std::size_t>(site - crowd_up_to.begin())].push_back(c);
   }
   const double size = fitting_size(grid, options, columns_of_site, threads);

@@ -21,6 +21,8 @@ class Random {
   std::uint32_t below(std::uint32_t bound) { return static_cast<std::uint32_t>(((next() >> 32) * bound) >> 32); }
   /// Uniform in [0, 1), a multiple of 2^-24.
   float unit() { return static_cast<float>(next() >> 40) * 0x1p-24f; }
+  /// Uniform in [0, 1), a multiple of 2^-53.
+  double fraction() { return static_cast<double>(next() >> 11) * 0x1p-53; }
   float between(float low, float high) { return low + (high - low) * unit(); }
 
  private:

@@ -1,5 +1,6 @@
 // Matrices that every codec and order is tried on.
 #pragma once
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,16 @@ inline VisibilityMatrix random_matrix(Shape shape, double density, std::uint64_t
     }
   }
   return VisibilityMatrix::from_rows(rows, shape.columns);
+}
+
+/// Column c, standing at place c * step % columns, sees rows c to c + width - 1: in its planted order each row is one run.
+inline VisibilityMatrix banded_matrix(std::uint32_t columns, std::uint32_t width, std::uint32_t step) {
+  std::vector<std::vector<std::uint32_t>> rows(columns + width - 1);
+  for (std::uint32_t c = 0; c < columns; ++c) {
+    for (std::uint32_t r = c; r < c + width; ++r) rows[r].push_back(c * step % columns);
+  }
+  for (auto& row : rows) std::sort(row.begin(), row.end());
+  return VisibilityMatrix::from_rows(rows, columns);
 }
 
 /// Rows that differ from the one before in a few places, as neighbouring view cells do.

@@ -226,12 +226,7 @@ TEST(HeldKarp, StopsInTimeWithWhatIsProven) {
 }
 
 TEST(LowerBound, IsTightOnAPlantedOrder) {  // column c sees rows c and c + 1
-  std::vector<std::vector<std::uint32_t>> rows(41);
-  for (std::uint32_t c = 0; c < 40; ++c) {
-    for (const std::uint32_t r : {c, c + 1}) rows[r].push_back(c * 7 % 40);
-  }
-  for (auto& row : rows) std::sort(row.begin(), row.end());
-  const auto m = VisibilityMatrix::from_rows(rows, 40);
+  const auto m = test::banded_matrix(40, 2, 7);
   const SparsePoints points(m);
   EXPECT_EQ(two_nearest_bound(points, in_order(points)), 41u);
   EXPECT_EQ(lower_bound(m, Permutation::identity(40)).runs, 41u);

@@ -44,12 +44,7 @@ TEST(PolishedTour, BoundAndPolishEmbraceTheOptimum) {
 
 TEST(PolishedTour, FindsAPlantedOrder) {  // column c sees rows c and c + 1: nothing but the planted order
                                           // has 41 runs
-  std::vector<std::vector<std::uint32_t>> rows(41);
-  for (std::uint32_t c = 0; c < 40; ++c) {
-    for (const std::uint32_t r : {c, c + 1}) rows[r].push_back(c * 7 % 40);
-  }
-  for (auto& row : rows) std::sort(row.begin(), row.end());
-  const auto m = VisibilityMatrix::from_rows(rows, 40);
+  const auto m = test::banded_matrix(40, 2, 7);
   const ColumnPoints points(m);
   EXPECT_EQ(count_runs(m, order_of_tour(best_tour(points))), 41u);
 }

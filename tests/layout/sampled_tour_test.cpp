@@ -14,10 +14,6 @@
 namespace vismat {
 namespace {
 
-std::uint64_t runs_in_order(const VisibilityMatrix& m, const Permutation& order) {
-  return count_runs(permute(m, Permutation::identity(m.shape().rows), order));
-}
-
 // Where the sample is all columns and all of them are kept, step 3 is a nearest neighbour tour from column 0.
 TEST(SampledTour, WithAllColumnsSampledIsTheNearestNeighbourTour) {
   for (const auto& m : test::assorted_matrices()) {
@@ -66,7 +62,7 @@ TEST(SampledTour, ABlocksSampleIsNearlyAsGoodAsEachColumnsOwn) {
     at = found != sample.end() ? found->second : free;
   }
   const auto order = order_by_sampled_tour(m, {.neighbours = k, .samples = samples, .flip_edges = false});
-  EXPECT_NEAR(static_cast<double>(runs_in_order(m, order)),
+  EXPECT_NEAR(static_cast<double>(count_runs(m, order)),
               static_cast<double>(runs_of_visits(points, visits)),
               .1 * static_cast<double>(runs_of_visits(points, visits)));
 }
@@ -78,7 +74,7 @@ TEST(SampledTour, FlipsShortenAndThreadsDoNotMatter) {
   without.flip_edges = false;
   other_seed.seed = 2;
   const auto order = order_by_sampled_tour(m, options, 1);
-  EXPECT_LT(runs_in_order(m, order) * 10, runs_in_order(m, order_by_sampled_tour(m, without, 1)) * 9);
+  EXPECT_LT(count_runs(m, order) * 10, count_runs(m, order_by_sampled_tour(m, without, 1)) * 9);
   EXPECT_EQ(order, order_by_sampled_tour(m, options, 2));
   EXPECT_NE(order, order_by_sampled_tour(m, other_seed, 2));
 }
