@@ -1,0 +1,259 @@
+#include "matrix/deltas.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "matrix/random.h"
+
+namespace vismat {
+namespace {
+
+using Rows = std::vector<std::vector<std::uint32_t>>;
+constexpr std::uint32_t outside = Boundary::outside;
+
+std::string refusal(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Some rows are empty, some equal to an earlier one, some like it.
+VisibilityMatrix random_cells(Shape shape, Random& random) {
+  Rows rows(shape.rows);
+  for (std::uint32_t r = 0; r < shape.rows; ++r) {
+    const std::uint32_t kind = random.below(8);
+    if (kind == 0) continue;
+    std::vector<bool> bits(shape.columns, false);
+    if (r > 0 && kind < 6) {
+      for (const std::uint32_t c : rows[random.below(r)]) bits[c] = true;
+      if (kind > 1 && shape.columns > 0) {
+        for (std::uint32_t flips = random.below(9); flips > 0; --flips)
+          bits[random.below(shape.columns)].flip();
+      }
+    } else {
+      const float density = random.unit();
+      for (std::uint32_t c = 0; c < shape.columns; ++c) bits[c] = random.unit() < density;
+    }
+    for (std::uint32_t c = 0; c < shape.columns; ++c) {
+      if (bits[c]) rows[r].push_back(c);
+    }
+  }
+  return VisibilityMatrix::from_rows(rows, shape.columns);
+}
+
+VisibilityMatrix symmetric(std::uint32_t size,
+                           const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) {
+  std::vector<std::set<std::uint32_t>> sets(size);
+  for (const auto& [a, b] : pairs) {
+    sets[a].insert(b);
+    sets[b].insert(a);
+  }
+  Rows rows;
+  for (const auto& set : sets) rows.emplace_back(set.begin(), set.end());
+  return VisibilityMatrix::from_rows(rows, size);
+}
+
+// Few pairs leave many parts and lone cells; some cells are their own neighbours.
+VisibilityMatrix random_neighbours(std::uint32_t size, Random& random) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (std::uint32_t count = size == 0 ? 0 : random.below(3 * size); count > 0; --count)
+    pairs.emplace_back(random.below(size), random.below(size));
+  return symmetric(size, pairs);
+}
+
+struct Case {
+  VisibilityMatrix cells, neighbours;
+};
+std::vector<Case> random_cases() {
+  std::vector<Case> cases = {{VisibilityMatrix({0, 0}), VisibilityMatrix({0, 0})},
+                             {VisibilityMatrix({0, 7}), VisibilityMatrix({0, 0})},
+                             {VisibilityMatrix({5, 0}), symmetric(5, {{0, 1}, {1, 4}})},
+                             {VisibilityMatrix({4, 9}), symmetric(4, {{0, 1}, {1, 2}, {2, 3}})}};
+  Random random(1);
+  for (int i = 0; i < 60; ++i) {
+    const Shape shape = {1 + random.below(40), random.below(300)};
+    cases.push_back({random_cells(shape, random), random_neighbours(shape.rows, random)});
+  }
+  return cases;
+}
+
+TEST(Deltas, ListWhatAppearsAndWhatVanishes) {
+  const auto cells = VisibilityMatrix::from_rows({{0, 1}, {1, 2, 3}, {5}, {1, 2, 3}}, 6);
+  const Deltas deltas = deltas_of(cells, symmetric(4, {{0, 1}, {1, 3}, {0, 3}, {2, 2}}));
+  EXPECT_EQ(deltas.boundaries, (std::vector<Boundary>{{outside, 0}, {outside, 2}, {0, 1}, {0, 3}, {1, 3}}));
+  EXPECT_EQ(deltas.lists,
+            VisibilityMatrix::from_rows({{0, 1}, {}, {5}, {}, {2, 3}, {0}, {2, 3}, {0}, {}, {}}, 6));
+}
+
+TEST(Deltas, LeadBackToTheCells) {
+  for (const Case& c : random_cases()) {
+    const Deltas deltas = deltas_of(c.cells, c.neighbours);
+    EXPECT_EQ(deltas.lists.shape().rows, 2 * deltas.boundaries.size());
+    const VisibilityMatrix back = cells_of(deltas);
+    EXPECT_EQ(back, c.cells);
+  }
+}
+
+TEST(Deltas, RefuseNeighboursThatAreNone) {
+  const VisibilityMatrix cells({3, 4});
+  EXPECT_EQ(refusal([&] { deltas_of(cells, symmetric(3, {{0, 1}})); }), "");
+  EXPECT_EQ(refusal([&] {
+              deltas_of(cells, VisibilityMatrix({3, 4}));
+            }),
+            "the neighbours are 3 x 4, but there are 3 cells");
+  EXPECT_EQ(refusal([&] {
+              deltas_of(cells, VisibilityMatrix::from_rows({{}, {2}, {}}, 3));
+            }),
+            "cell 1 and its neighbours do not name one another");
+}
+
+TEST(Deltas, RefuseListsThatContradictOneAnother) {
+  const auto cells = VisibilityMatrix::from_rows({{0, 1}, {1, 2}, {2, 4}}, 6);
+  const Deltas good = deltas_of(cells, symmetric(3, {{0, 1}, {1, 2}, {0, 2}}));
+  EXPECT_EQ(cells_of(good), cells);
+  const auto changed = [&](std::uint32_t list, std::vector<std::uint32_t> ids) {
+    Rows rows;
+    for (std::uint32_t r = 0; r < good.lists.shape().rows; ++r)
+      rows.emplace_back(good.lists.row(r).begin(), good.lists.row(r).end());
+    rows[list] = std::move(ids);
+    return refusal([&] { cells_of({good.boundaries, VisibilityMatrix::from_rows(rows, 6)}); });
+  };
+  EXPECT_EQ(changed(2, {1, 2}), "boundary 1, cell 0 to cell 1: column 1 appears, but was visible before");
+  EXPECT_EQ(changed(3, {0, 5}), "boundary 1, cell 0 to cell 1: column 5 vanishes, but was not visible");
+  EXPECT_EQ(changed(2, {2, 3}), "boundary 3, cell 1 to cell 2: another way leads to other ids visible there");
+  EXPECT_EQ(refusal([&] {
+              cells_of({good.boundaries, VisibilityMatrix({6, 6})});
+            }),
+            "4 boundaries, but 6 lists; each has two");
+}
+
+TEST(BoundaryMap, RefusesWhatIsNotInOrderOrDoesNotReachEachCell) {
+  const auto of = [](std::vector<Boundary> boundaries) {
+    return refusal([&] { BoundaryMap map(boundaries); });
+  };
+  EXPECT_EQ(of({}), "");
+  EXPECT_EQ(of({{outside, 0}, {outside, 2}, {0, 1}, {2, 3}}), "");
+  EXPECT_NE(of({{outside, 0}, {0, 1}, {outside, 2}}).find("boundary 2, outside to cell 2: must come before"),
+            std::string::npos);
+  EXPECT_NE(of({{outside, 0}, {0, 2}, {0, 1}}).find("boundary 2"), std::string::npos);
+  EXPECT_NE(of({{outside, 0}, {0, 1}, {0, 1}}).find("boundary 2"), std::string::npos);
+  EXPECT_NE(of({{outside, 0}, {1, 0}}).find("boundary 1, cell 1 to cell 0: leads down"), std::string::npos);
+  EXPECT_NE(of({{outside, 0}, {1, 1}}).find("leads down"), std::string::npos);
+  EXPECT_NE(of({{outside, 0}, {outside, outside}}).find("no more than 2 cells"), std::string::npos);
+  EXPECT_NE(of({{outside, 4}}).find("no more than 1 cells"), std::string::npos);
+  EXPECT_NE(
+      of({{outside, 0}, {outside, 1}, {0, 1}}).find("boundary 1, outside to cell 1: that part is entered"),
+      std::string::npos);
+  EXPECT_NE(of({{outside, 1}, {0, 1}}).find("least cell, 0"), std::string::npos);
+  EXPECT_EQ(of({{outside, 0}, {1, 2}, {1, 3}, {2, 3}}), "no boundaries lead from outside to cell 1");
+}
+
+TEST(BoundaryMap, FindsEachBoundaryFromBothSides) {
+  for (const Case& c : random_cases()) {
+    const Deltas deltas = deltas_of(c.cells, c.neighbours);
+    const BoundaryMap map(deltas.boundaries);
+    EXPECT_EQ(map.cells(), c.cells.shape().rows);
+    for (std::uint32_t a = 0; a <= map.cells(); ++a) {  // one more than there are
+      for (std::uint32_t b = 0; b <= map.cells(); ++b) {
+        const auto found = std::ranges::find(deltas.boundaries, Boundary{std::min(a, b), std::max(a, b)});
+        const auto crossing = map.crossing(a, b);
+        ASSERT_EQ(crossing.has_value(), found != deltas.boundaries.end());
+        if (!crossing) continue;
+        EXPECT_EQ(crossing->boundary, found - deltas.boundaries.begin());
+        EXPECT_EQ(crossing->appears(), 2 * crossing->boundary + (a > b));
+        EXPECT_EQ(crossing->vanishes(), 2 * crossing->boundary + (a < b));
+      }
+      if (a == map.cells()) break;
+      EXPECT_TRUE(std::ranges::is_sorted(map.neighbours(a)));
+      EXPECT_EQ(map.crossing(outside, a).has_value(), map.crossing(a, outside).has_value());
+    }
+  }
+}
+
+TEST(Cross, MergesLikeSets) {
+  Random random(2);
+  std::vector<std::uint32_t> result(4000);
+  for (int i = 0; i < 2000; ++i) {
+    const std::uint32_t columns = 1 + random.below(1000);
+    const auto rows = random_cells({2, columns}, random);
+    const auto before = rows.row(0), after = rows.row(1);
+    std::vector<std::uint32_t> appears, vanishes;
+    std::ranges::set_difference(after, before, std::back_inserter(appears));
+    std::ranges::set_difference(before, after, std::back_inserter(vanishes));
+    const std::size_t count = cross(before, appears, vanishes, result);
+    ASSERT_TRUE(std::ranges::equal(std::span(result).first(count), after));
+  }
+}
+
+TEST(Cross, NamesTheColumnThatDoesNotFit) {
+  using Ids = std::vector<std::uint32_t>;
+  const auto of = [](const Ids& visible, const Ids& appears, const Ids& vanishes) {
+    return refusal([&] {
+      Ids result(visible.size() + appears.size());
+      cross(visible, appears, vanishes, result);
+    });
+  };
+  EXPECT_EQ(of({1, 4, 9}, {2, 10}, {1, 9}), "");
+  EXPECT_EQ(of({1, 4, 9}, {4}, {}), "column 4 appears, but was visible before");
+  EXPECT_EQ(of({1, 4, 9}, {}, {5}), "column 5 vanishes, but was not visible");
+  EXPECT_EQ(of({1, 4, 9}, {}, {4, 10, 11, 12}), "column 10 vanishes, but was not visible");
+  EXPECT_EQ(of({}, {}, {0}), "column 0 vanishes, but was not visible");
+  EXPECT_EQ(of({1}, {3}, {3}), "column 3 vanishes, but was not visible");
+  EXPECT_EQ(of({1}, {1}, {1}), "column 1 appears, but was visible before");
+}
+
+TEST(Walk, SeesEachCellsRowOnAnyWay) {
+  Random random(3);
+  std::size_t returns = 0;
+  for (const Case& c : random_cases()) {
+    const Deltas deltas = deltas_of(c.cells, c.neighbours);
+    Walk walk(deltas);
+    EXPECT_EQ(walk.cell(), outside);
+    EXPECT_TRUE(walk.visible().empty());
+    for (int step = 0; step < 3000 && !deltas.boundaries.empty(); ++step) {
+      const auto near = walk.map().neighbours(walk.cell());
+      const std::uint32_t to = near[random.below(static_cast<std::uint32_t>(near.size()))];
+      walk.go(to);
+      ASSERT_EQ(walk.cell(), to);
+      ASSERT_TRUE(to == outside ? walk.visible().empty()
+                                : std::ranges::equal(walk.visible(), c.cells.row(to)));
+      returns += to == outside;
+    }
+  }
+  EXPECT_GT(returns, 1000u);
+}
+
+TEST(Walk, StaysWhereItIsIfNoBoundaryLeadsOn) {
+  const auto cells = VisibilityMatrix::from_rows({{0, 1}, {1, 2}, {5}}, 6);
+  Deltas deltas = deltas_of(cells, symmetric(3, {{0, 1}}));
+  Walk walk(deltas);
+  EXPECT_EQ(refusal([&] { walk.go(1); }), "no boundary leads from outside to cell 1");
+  walk.go(0);
+  EXPECT_EQ(refusal([&] { walk.go(2); }), "no boundary leads from cell 0 to cell 2");
+  EXPECT_EQ(refusal([&] { walk.go(0); }), "no boundary leads from cell 0 to cell 0");
+  EXPECT_EQ(refusal([&] { walk.go(77); }), "no boundary leads from cell 0 to cell 77");
+  EXPECT_TRUE(std::ranges::equal(walk.visible(), cells.row(0)));
+
+  deltas.lists = VisibilityMatrix::from_rows({{0, 1}, {}, {5}, {}, {1}, {}}, 6);
+  Walk damaged(deltas);
+  damaged.go(0);
+  EXPECT_EQ(refusal([&] { damaged.go(1); }), "column 1 appears, but was visible before");
+  EXPECT_EQ(damaged.cell(), 0u);
+  EXPECT_TRUE(std::ranges::equal(damaged.visible(), cells.row(0)));
+  deltas.lists = VisibilityMatrix({4, 6});
+  EXPECT_EQ(refusal([&] { Walk short_of_lists(deltas); }), "3 boundaries, but 4 lists; each has two");
+}
+
+}  // namespace
+}  // namespace vismat
