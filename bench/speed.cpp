@@ -32,7 +32,7 @@ void register_codec(const Codec& codec, const VisibilityMatrix& matrix, const Ob
   benchmark::RegisterBenchmark((name + "/decode").c_str(), [&codec, &matrix, tree](benchmark::State& state) {
     const Encoded encoded = codec.encode(matrix, tree);
     const auto decode = [&] {
-      return codec.decode(encoded.payload, encoded.node_index, matrix.shape(), tree);
+      return codec.decode(encoded.payload, encoded.index, matrix.shape(), tree);
     };
     if (decode() != matrix) state.SkipWithError("does not restore the matrix");
     for (auto _ : state) benchmark::DoNotOptimize(decode().ones());

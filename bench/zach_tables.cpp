@@ -77,7 +77,7 @@ struct Measurement {
 Measurement measure(const Codec& codec, const VisibilityMatrix& matrix, const ObjectTree& tree) {
   Measurement m{codec.encode(matrix, &tree), 0, 0, length_statistics(codec, matrix, &tree)};
   const auto decode = [&] {
-    return codec.decode(m.encoded.payload, m.encoded.node_index, matrix.shape(), &tree);
+    return codec.decode(m.encoded.payload, m.encoded.index, matrix.shape(), &tree);
   };
   if (decode() != matrix) throw std::logic_error(std::string(codec.name) + " does not restore its matrix");
   m.encode_s = median_seconds([&] { codec.encode(matrix, &tree); });
@@ -104,7 +104,7 @@ void add_tables(const std::filesystem::path& path, std::string& scenes, std::str
     for (const Codec& codec : all_codecs()) {
       if (order.name == "neighbours" && !codec.wants_row_order) continue;
       const Measurement m = measure(codec, order.matrix, *data.tree);
-      const std::size_t bytes = m.encoded.payload.size(), index_bytes = m.encoded.node_index.size();
+      const std::size_t bytes = m.encoded.payload.size(), index_bytes = m.encoded.index.size();
       const double ratio = static_cast<double>(bitmap_size(shape)) / static_cast<double>(bytes);
       std::ostringstream run, entropy;  // empty for methods that code no lengths
       if (m.lengths.lengths > 0) {

@@ -1,16 +1,22 @@
-// encode, decode, node: matrix files to .vmat and back, and one node of a .vmat alone.
+// encode, decode, row, node: matrix files to .vmat and back; one row or one node of a .vmat alone.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/progress.h"
 #include "cli/verbs.h"
 #include "codecs/baseline_codecs.h"
 #include "codecs/bitmap.h"
 #include "codecs/container.h"
+#include "codecs/pairs.h"
+#include "codecs/row_reader.h"
 #include "codecs/tree_coding.h"
 #include "layout/greedy_order.h"
 #include "matrix/atomic_file.h"
@@ -71,14 +77,15 @@ void with_container(const std::filesystem::path& path, const Work& work) {
 void add_encode(CLI::App& app) {
   struct Options {
     std::filesystem::path in, out;
-    std::string codec = "zach3-huffman", order = "greedy";
+    std::string codec = "delimiter", order = "greedy";
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("encode", "Compress a matrix into a .vmat file");
   verb->add_option("MATRIX", options->in, "Matrix file, .bsp.h5 or .mtx")->required();
   verb->add_option("-o,--output", options->out, "The .vmat file to write")->required();
   verb->add_option("--codec", options->codec, "One of " + codec_names())->capture_default_str();
-  verb->add_option("--rows", options->order, "Order of rows: greedy, or natural (as they stand)")
+  verb->add_option("--rows", options->order,
+                   "Rows for zach3 and zach4: greedy order, or natural (as they stand)")
       ->check(CLI::IsMember({"greedy", "natural"}))
       ->capture_default_str();
   verb->footer("Example: vismat encode city32.bsp.h5 --codec zach3-range -o city32.vmat");
@@ -86,19 +93,24 @@ void add_encode(CLI::App& app) {
     const Codec& codec = find_codec(options->codec);
     Dataset data = read_dataset(options->in);
     if (codec.over_tree && data.tree && !data.columns_are_nodes) data = over_nodes(data);
-    Permutation order;
-    const bool reorder = codec.wants_row_order && options->order == "greedy";
-    if (reorder) order = order_rows_greedily(data.matrix, show_progress("ordering rows"));
-    Container container =
-        compress(data.matrix, codec, data.tree ? &*data.tree : nullptr, reorder ? &order : nullptr);
+    if (codec.wants_row_order && options->order == "greedy") {
+      const Permutation order = order_rows_greedily(data.matrix, show_progress("ordering rows"));
+      data = reordered(std::move(data), order, Permutation::identity(data.matrix.shape().columns));
+    }
+    Container container = compress(data.matrix, codec, data.tree ? &*data.tree : nullptr);
+    container.row_order = data.row_order;
+    container.column_order = data.column_order;
     container.facts = facts_of(data);
     write_file(options->out, write_container(container));
-    const std::size_t payload = container.encoded.payload.size(), index = container.encoded.node_index.size();
+    const std::size_t payload = container.encoded.payload.size(), index = container.encoded.index.size();
+    const auto [rows, columns] = data.matrix.shape();
     std::printf("%s: %zu bytes of payload, %.2fx smaller than the bitmap's %llu", options->out.c_str(),
-                payload, static_cast<double>(bitmap_size(data.matrix.shape())) / static_cast<double>(payload),
-                static_cast<unsigned long long>(bitmap_size(data.matrix.shape())));
-    if (index > 0) std::printf("; node index %zu bytes", index);
-    if (reorder) std::printf("; row order %llu bytes", 4ull * data.matrix.shape().rows);
+                payload, static_cast<double>(bitmap_size({rows, columns})) / static_cast<double>(payload),
+                static_cast<unsigned long long>(bitmap_size({rows, columns})));
+    if (index > 0) std::printf("; index %zu bytes", index);
+    const std::uint64_t orders =
+        (data.row_order ? permutation_bytes(rows) : 0) + (data.column_order ? permutation_bytes(columns) : 0);
+    if (orders > 0) std::printf("; orders %llu bytes", static_cast<unsigned long long>(orders));
     std::printf("\n");
   });
 }
@@ -106,11 +118,14 @@ void add_encode(CLI::App& app) {
 void add_decode(CLI::App& app) {
   struct Options {
     std::filesystem::path in, out;
+    bool as_stored = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("decode", "Restore the matrix of a .vmat file");
+  CLI::App* verb = app.add_subcommand("decode", "Restore the matrix of a .vmat file, in the source's order");
   verb->add_option("FILE", options->in, "The .vmat file")->required();
   verb->add_option("-o,--output", options->out, "Matrix file to write, .bsp.h5 or .mtx")->required();
+  verb->add_flag("--as-stored", options->as_stored,
+                 "Leave rows and columns in the order that they were given");
   verb->footer("Example: vismat decode city32.vmat -o city32.mtx");
   verb->callback([options] {
     with_container(options->in, [&](const Container& container) {
@@ -118,15 +133,67 @@ void add_decode(CLI::App& app) {
       read_facts(container.facts, data);
       data.matrix = decompress(container, find_codec(container.codec));
       data.tree = container.tree;
+      data.row_order = container.row_order;
+      data.column_order = container.column_order;
       if (const std::uint32_t columns = container.shape.columns;
           data.tree ? (data.columns_are_nodes ? data.tree->size() : data.tree->object_count()) != columns
                     : data.columns_are_nodes) {
         throw FormatError("tree section: does not fit the " + std::to_string(columns) + " columns");
       }
+      if (!options->as_stored) data = in_source_order(std::move(data));
       write_dataset(options->out, data);
       std::printf("%s: %u x %u, %llu ones\n", options->out.c_str(), data.matrix.shape().rows,
                   data.matrix.shape().columns, static_cast<unsigned long long>(data.matrix.ones()));
     });
+  });
+}
+
+void add_row(CLI::App& app) {
+  struct Options {
+    std::filesystem::path in;
+    std::uint32_t row = 0;
+    bool as_stored = false, runs = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("row", "Decode one row of a .vmat file, without the rest");
+  verb->add_option("FILE", options->in, "A .vmat file of a codec that gives rows alone")->required();
+  verb->add_option("ROW", options->row, "Row number, 0 is the first")->required();
+  verb->add_flag("--as-stored", options->as_stored,
+                 "Numbers of rows and columns are the file's, not the source's");
+  verb->add_flag("--runs", options->runs,
+                 "A line for each run of ids, first and last, instead of one for each id");
+  verb->footer("Example: vismat row city32.vmat 17");
+  verb->callback([options] {
+    const auto codecs = all_codecs();
+    const RowReader reader(options->in, codecs);
+    std::uint32_t row = options->row;
+    if (row >= reader.shape().rows) {
+      throw std::invalid_argument(options->in.string() + ": no row " + std::to_string(row) + "; it has " +
+                                  std::to_string(reader.shape().rows));
+    }
+    std::optional<Permutation> rows, columns;
+    if (!options->as_stored) {
+      rows = reader.row_order();
+      columns = reader.column_order();
+    }
+    if (rows) row = rows->new_of_old()[row];
+    RowBuffer<std::uint32_t> buffer;
+    const auto stored = reader.ids(row, buffer);
+    std::vector<std::uint32_t> ids(stored.begin(), stored.end());
+    if (columns) {
+      const auto source_of = columns->old_of_new();
+      for (std::uint32_t& id : ids) id = source_of[id];
+      std::sort(ids.begin(), ids.end());
+    }
+    if (options->runs) {
+      for_each_run(ids, [](std::uint32_t first, std::uint32_t count) {
+        std::printf("%u %u\n", first, first + count - 1);
+      });
+    } else {
+      for (const std::uint32_t id : ids) std::printf("%u\n", id);
+    }
+    std::fprintf(stderr, "row %u: %zu of %u visible, %llu bytes\n", options->row, ids.size(),
+                 reader.shape().columns, static_cast<unsigned long long>(reader.row_bytes(row)));
   });
 }
 
@@ -148,7 +215,7 @@ void add_node(CLI::App& app) {
                                     "; it has " +
                                     std::to_string(container.tree ? container.tree->size() : 0));
       }
-      const NodeReader reader(container.codec, container.encoded.payload, container.encoded.node_index,
+      const NodeReader reader(container.codec, container.encoded.payload, container.encoded.index,
                               container.shape, *container.tree);
       const auto cells = reader.cells(options->node);
       const auto children = reader.children(options->node, cells);

@@ -148,8 +148,13 @@ void print_container(const Container& container) {
   const double ones = static_cast<double>(std::max<std::uint64_t>(container.ones, 1));
   line("payload",
        grouped(payload) + " bytes, " + formatted("%.3f bits a one", 8 * static_cast<double>(payload) / ones));
-  line("node index", grouped(container.encoded.node_index.size()) + " bytes");
-  line("row order", container.row_order ? "stored" : "as in the matrix");
+  line("index", grouped(container.encoded.index.size()) + " bytes");
+  const auto order = [](const std::optional<Permutation>& stored) {
+    return stored ? "stored, " + grouped(permutation_bytes(stored->size())) + " bytes"
+                  : std::string("the source's");
+  };
+  line("row order", order(container.row_order));
+  line("column order", order(container.column_order));
   if (container.tree) {
     print_tree(*container.tree);
   } else {

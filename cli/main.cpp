@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   add_order(app);
   add_encode(app);
   add_decode(app);
+  add_row(app);
   add_node(app);
   add_convert(app);
   add_info(app);

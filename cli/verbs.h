@@ -12,6 +12,7 @@ void add_tree(CLI::App& app);
 void add_order(CLI::App& app);
 void add_encode(CLI::App& app);
 void add_decode(CLI::App& app);
+void add_row(CLI::App& app);
 void add_node(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_info(CLI::App& app);

@@ -102,10 +102,20 @@ VisibilityMatrix bzip2_decode(Bytes payload, Bytes, Shape shape, const ObjectTre
   return matrix_from_bitmap(bitmap, shape);
 }
 
-constexpr std::array<Codec, 2> table = {{
-    {"gzip", "bitmap through gzip -9", false, false, gzip_encode, gzip_decode},
-    {"bzip2", "bitmap through bzip2 -9", false, false, bzip2_encode, bzip2_decode},
-}};
+constexpr Codec whole_file(std::string_view name, std::string_view contents, decltype(Codec::encode) encode,
+                           decltype(Codec::decode) decode) {
+  Codec codec{};
+  codec.name = name;
+  codec.contents = contents;
+  codec.encode = encode;
+  codec.decode = decode;
+  return codec;
+}
+
+constexpr std::array table = {
+    whole_file("gzip", "bitmap through gzip -9", gzip_encode, gzip_decode),
+    whole_file("bzip2", "bitmap through bzip2 -9", bzip2_encode, bzip2_decode),
+};
 
 }  // namespace
 

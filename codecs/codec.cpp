@@ -22,31 +22,23 @@ struct Name {
 
 template <Name name>
 constexpr Codec over_tree(std::string_view contents, bool wants_row_order) {
-  return {name.value,
-          contents,
-          true,
-          wants_row_order,
-          [](const VisibilityMatrix& matrix, const ObjectTree* tree) {
-            return encode_over_tree(*make_node_coder(name.value), matrix, tree);
-          },
-          [](Bytes payload, Bytes index, Shape shape, const ObjectTree* tree) {
-            return decode_over_tree(name.value, payload, index, shape, tree);
-          }};
+  Codec codec{};
+  codec.name = name.value;
+  codec.contents = contents;
+  codec.over_tree = true;
+  codec.wants_row_order = wants_row_order;
+  codec.encode = [](const VisibilityMatrix& matrix, const ObjectTree* tree) {
+    return encode_over_tree(*make_node_coder(name.value), matrix, tree);
+  };
+  codec.decode = [](Bytes payload, Bytes index, Shape shape, const ObjectTree* tree) {
+    return decode_over_tree(name.value, payload, index, shape, tree);
+  };
+  return codec;
 }
 
-constexpr std::array<Codec, 9> table = {{
-    {"bitmap", "rows of bits, padded to bytes", false, false,
-     [](const VisibilityMatrix& m, const ObjectTree*) {
-       return Encoded{bitmap_bytes(m), {}};
-     },
-     [](Bytes payload, Bytes, Shape shape, const ObjectTree*) { return matrix_from_bitmap(payload, shape); }},
-    {"quake-rle", "bitmap, zero bytes run-length coded", false, false,
-     [](const VisibilityMatrix& m, const ObjectTree*) {
-       return Encoded{quake_rle_bytes(m), {}};
-     },
-     [](Bytes payload, Bytes, Shape shape, const ObjectTree*) {
-       return matrix_from_quake_rle(payload, shape);
-     }},
+constexpr std::array table = {
+    row_codec<BitmapRows>("bitmap", "rows of bits, padded to bytes"),
+    row_codec<QuakeRows>("quake-rle", "bitmap, zero bytes run-length coded"),
     over_tree<"zach0">("children's bits in the parent's cells", false),
     over_tree<"zach1">("intersection of all children, bits outside it", false),
     over_tree<"zach2">("intersection of a chosen subset, subset masks, bits outside it", false),
@@ -55,7 +47,7 @@ constexpr std::array<Codec, 9> table = {{
                              true),
     over_tree<"zach4-huffman">("ones before each zero, one Huffman code", true),
     over_tree<"zach4-range">("ones before each zero, range coded", true),
-}};
+};
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 // The table of codecs: matrix to bytes and back. Tests, benchmarks and the program loop over it.
 #pragma once
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -11,13 +12,15 @@
 
 namespace vismat {
 
+class RowDecoder;
+
 /// What an encoder makes. Neither part carries a header, so sizes compare fairly.
 struct Encoded {
   std::vector<std::byte> payload;
-  /// Codecs over a tree: one varint a node that has children, the bytes of its part of the payload. A client
-  /// that stores each part in its node, as paper 002 does (Figure 2), has no use for it; a file of parts
-  /// does.
-  std::vector<std::byte> node_index;
+  /// Where parts of the payload lie, for readers of one part. Codecs over a tree: one varint a node that has children, the
+  /// bytes of its part; a client that stores each part in its node, as paper 002 does (Figure 2), has no use for it. Codecs
+  /// with open_rows: where rows begin (row_codec.h). Others: empty.
+  std::vector<std::byte> index;
   bool operator==(const Encoded&) const = default;
 };
 
@@ -27,14 +30,18 @@ struct Codec {
   std::string_view contents;  // what the payload holds, for tables
   /// Wants a tree whose nodes are the columns, and a matrix that is monotone over it; the others ignore the
   /// tree.
-  bool over_tree;
-  bool wants_row_order;  // run lengths follow the rows' order; the paper reorders view cells before these
+  bool over_tree = false;
+  bool wants_row_order =
+      false;  // run lengths follow the rows' order; the paper reorders view cells before these
   /// Throws std::invalid_argument where over_tree and the tree is missing, does not fit or is not monotone.
-  Encoded (*encode)(const VisibilityMatrix&, const ObjectTree*);
+  Encoded (*encode)(const VisibilityMatrix&, const ObjectTree*) = nullptr;
   /// Throws FormatError on any bytes that encode() cannot have made for this shape and tree, in time and
   /// memory linear in the payload and the matrix that it describes.
-  VisibilityMatrix (*decode)(std::span<const std::byte> payload, std::span<const std::byte> node_index, Shape,
-                             const ObjectTree*);
+  VisibilityMatrix (*decode)(std::span<const std::byte> payload, std::span<const std::byte> index, Shape,
+                             const ObjectTree*) = nullptr;
+  /// Where any row can be read alone: its decoder, from the payload's model. Otherwise null. See row_reader.h.
+  std::unique_ptr<const RowDecoder> (*open_rows)(std::span<const std::byte> model, Shape) = nullptr;
+  std::uint32_t rows_per_part = 1;  // rows that share their bytes
 };
 
 /// Our own codecs; they need the standard library alone.

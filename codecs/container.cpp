@@ -1,42 +1,62 @@
 #include "codecs/container.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cassert>
 #include <cstring>
 #include <stdexcept>
 
 #include "codecs/bit_stream.h"
+#include "codecs/checksum.h"
+#include "codecs/row_codec.h"
+#include "matrix/claimed_shape.h"
 
 namespace vismat {
 namespace {
 
 constexpr std::array<unsigned char, 8> magic = {0x89, 'V', 'M', 'A', 'T', '\r', '\n', 0x1a};
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
+constexpr std::size_t name_bytes = 32;
+// magic, version, rows, columns, ones, codec, sizes of the sections, checksum of the blocks' checksums, of the head
+constexpr std::size_t head_bytes = 8 + 4 + 4 + 4 + 8 + name_bytes + 8 * ContainerHead::sections + 4 + 4;
+static_assert(head_bytes % 4 == 0);
 
 template <typename Number>
 void put(std::vector<std::byte>& out, Number value) {
   const auto* bytes = reinterpret_cast<const std::byte*>(&value);
   out.insert(out.end(), bytes, bytes + sizeof value);
 }
-
-void put_section(std::vector<std::byte>& out, std::span<const std::byte> bytes) {
-  put(out, std::uint64_t{bytes.size()});
-  out.insert(out.end(), bytes.begin(), bytes.end());
+void store(std::span<std::byte> out, std::size_t at, std::uint32_t value) {
+  std::memcpy(out.data() + at, &value, sizeof value);
+}
+std::uint32_t load(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint32_t value;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
 }
 
-std::span<const std::byte> get_section(ByteReader& in) {
-  const auto size = in.number<std::uint64_t>();
-  if (size > in.left())
-    in.fail("a section of " + std::to_string(size) + " bytes; " + std::to_string(in.left()) + " are left");
-  return in.bytes(size);
+// The size of the body that the head tells, where file = head, a checksum for each block, body; nullopt if there is none.
+std::optional<std::uint64_t> body_bytes(std::span<const std::byte> file) {
+  ByteReader in(file, ".vmat");
+  in.skip(head_bytes - 8 - 8 * ContainerHead::sections);
+  std::uint64_t body = 0;
+  for (int s = 0; s < ContainerHead::sections; ++s) {
+    const auto size = in.number<std::uint64_t>();
+    if (size > file.size() - body) return std::nullopt;  // also where the sum would overflow
+    body += size;
+  }
+  const std::uint64_t blocks = (body + ContainerHead::block_bytes - 1) / ContainerHead::block_bytes;
+  if (head_bytes + 4 * blocks + body != file.size()) return std::nullopt;
+  return body;
+}
+
+std::span<const std::byte> block_of(std::span<const std::byte> body, std::uint64_t block) {
+  const std::uint64_t begin = block * ContainerHead::block_bytes;
+  return body.subspan(begin, std::min(ContainerHead::block_bytes, body.size() - begin));
 }
 
 std::string text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-std::span<const std::byte> bytes_of(const std::string& text) {
-  return std::as_bytes(std::span(text));
 }
 
 // Parents as the step back from each node, objects as 0 for none or 1 + object: small numbers, one byte
@@ -79,102 +99,164 @@ ObjectTree tree_from_bytes(std::span<const std::byte> bytes) {
   }
 }
 
+// As many bits a place as the largest one needs.
+unsigned place_bits(std::uint32_t size) {
+  return size < 2 ? 0 : static_cast<unsigned>(std::bit_width(size - 1));
+}
+
+std::vector<std::byte> order_bytes(const std::optional<Permutation>& order) {
+  std::vector<std::byte> out;
+  if (!order) return out;
+  BitWriter bits(out);
+  for (const std::uint32_t place : order->new_of_old()) bits.put(place, place_bits(order->size()));
+  bits.flush();
+  return out;
+}
+
 }  // namespace
 
-std::uint64_t container_checksum(std::span<const std::byte> bytes) {
-  std::uint64_t sum = 0xcbf29ce484222325u;
-  for (const std::byte b : bytes) sum = (sum ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3u;
-  return sum;
+std::optional<Permutation> order_from_bytes(std::span<const std::byte> bytes, std::uint32_t size) {
+  if (bytes.empty()) return std::nullopt;
+  const std::uint64_t need = (std::uint64_t{size} * place_bits(size) + 7) / 8;
+  if (bytes.size() != need) {
+    throw FormatError("an order of " + std::to_string(bytes.size()) + " bytes; " + std::to_string(size) +
+                      " places take " + std::to_string(need));
+  }
+  BitReader bits(bytes);
+  std::vector<std::uint32_t> map(size);
+  for (std::uint32_t& place : map) place = bits.get(place_bits(size));
+  bits.finish();
+  try {
+    return Permutation::from_new_of_old(std::move(map));
+  } catch (const std::invalid_argument& error) {
+    throw FormatError(std::string("order section: ") + error.what());
+  }
+}
+
+ContainerHead::ContainerHead(std::span<const std::byte> file) {
+  ByteReader in(file, ".vmat");
+  if (file.size() < magic.size() || std::memcmp(file.data(), magic.data(), magic.size()) != 0)
+    in.fail("not a .vmat file: the magic number differs");
+  in.skip(magic.size());
+  if (const auto found = in.number<std::uint32_t>(); found != version)
+    in.fail("version " + std::to_string(found) + "; this program reads version " + std::to_string(version));
+  if (file.size() < head_bytes) in.fail("cut short: a head takes " + std::to_string(head_bytes) + " bytes");
+  if (crc32(file.first(head_bytes - 4)) != load(file, head_bytes - 4))
+    in.fail("the head's checksum differs: the file is damaged");
+  const auto body = body_bytes(file);
+  if (!body)
+    in.fail("the file has " + std::to_string(file.size()) +
+            " bytes, not what its head tells: cut short or damaged");
+
+  shape.rows = in.number<std::uint32_t>();
+  shape.columns = in.number<std::uint32_t>();
+  ones = in.number<std::uint64_t>();
+  if (ones > std::uint64_t{shape.rows} * shape.columns) in.fail("more ones than the matrix has places");
+  codec = text(in.bytes(name_bytes));
+  codec.resize(std::min(codec.find('\0'), codec.size()));
+  body_ = file.last(*body);
+  sums_ = file.subspan(head_bytes, file.size() - *body - head_bytes);
+  std::uint64_t at = 0;
+  for (auto& section : section_) {
+    const auto size = in.number<std::uint64_t>();
+    section = body_.subspan(at, size);
+    at += size;
+  }
+  if (crc32(sums_) != in.number<std::uint32_t>())
+    in.fail("the checksum of checksums differs: the file is damaged");
+}
+
+void ContainerHead::check_block(std::uint64_t block) const {
+  if (crc32(block_of(body_, block)) != load(sums_, 4 * block)) {
+    throw FormatError(".vmat: the checksum of bytes " + std::to_string(block * block_bytes) + " on of " +
+                      std::to_string(body_.size()) + " of the body differs: the file is damaged");
+  }
+}
+
+void seal_container(std::span<std::byte> file) {
+  if (file.size() < head_bytes) return;
+  const auto body = body_bytes(file);
+  if (!body) return;
+  const auto sums = file.subspan(head_bytes, file.size() - *body - head_bytes);
+  for (std::uint64_t b = 0; b < sums.size() / 4; ++b)
+    store(sums, 4 * b, crc32(block_of(file.last(*body), b)));
+  store(file, head_bytes - 8, crc32(sums));
+  store(file, head_bytes - 4, crc32(file.first(head_bytes - 4)));
 }
 
 std::vector<std::byte> write_container(const Container& container) {
+  assert(container.codec.size() <= name_bytes);
+  const std::vector<std::byte> tree = container.tree ? tree_bytes(*container.tree) : std::vector<std::byte>{},
+                               rows = order_bytes(container.row_order),
+                               columns = order_bytes(container.column_order);
+  const std::array<std::span<const std::byte>, ContainerHead::sections> sections = {
+      std::as_bytes(std::span(container.facts)),
+      tree,
+      rows,
+      columns,
+      container.encoded.index,
+      container.encoded.payload};
   std::vector<std::byte> out;
   for (const unsigned char c : magic) out.push_back(static_cast<std::byte>(c));
   put(out, version);
   put(out, container.shape.rows);
   put(out, container.shape.columns);
   put(out, container.ones);
-  put_section(out, bytes_of(container.codec));
-  put_section(out, bytes_of(container.facts));
-  put_section(out, container.tree ? tree_bytes(*container.tree) : std::vector<std::byte>{});
-  std::vector<std::uint32_t> order;
-  if (container.row_order)
-    order.assign(container.row_order->new_of_old().begin(), container.row_order->new_of_old().end());
-  put_section(out, std::as_bytes(std::span(order)));
-  put_section(out, container.encoded.node_index);
-  put_section(out, container.encoded.payload);
-  put(out, container_checksum(out));
+  for (std::size_t i = 0; i < name_bytes; ++i)
+    put(out, i < container.codec.size() ? container.codec[i] : '\0');
+  std::uint64_t body = 0;
+  for (const auto section : sections) {
+    put(out, std::uint64_t{section.size()});
+    body += section.size();
+  }
+  out.resize(head_bytes + 4 * ((body + ContainerHead::block_bytes - 1) / ContainerHead::block_bytes));
+  out.reserve(out.size() + body);
+  for (const auto section : sections) out.insert(out.end(), section.begin(), section.end());
+  seal_container(out);
   return out;
 }
 
 Container read_container(std::span<const std::byte> bytes) {
-  ByteReader in(bytes, ".vmat");
-  if (bytes.size() < magic.size() || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0) {
-    in.fail("not a .vmat file: the magic number differs");
-  }
-  in.skip(magic.size());
-  if (const auto found = in.number<std::uint32_t>(); found != version) {
-    in.fail("version " + std::to_string(found) + "; this program reads version " + std::to_string(version));
-  }
-  if (in.left() < 8) in.fail("cut short");
-  ByteReader last(bytes.last(8), ".vmat");
-  if (container_checksum(bytes.first(bytes.size() - 8)) != last.number<std::uint64_t>()) {
-    in.fail("the checksum differs: the file is damaged or cut short");
-  }
+  const ContainerHead head(bytes);
+  for (std::uint64_t b = 0; b < head.blocks(); ++b) head.check_block(b);
   Container container;
-  container.shape.rows = in.number<std::uint32_t>();
-  container.shape.columns = in.number<std::uint32_t>();
-  container.ones = in.number<std::uint64_t>();
-  if (container.ones > std::uint64_t{container.shape.rows} * container.shape.columns)
-    in.fail("more ones than the table has places");
-  container.codec = text(get_section(in));
-  container.facts = text(get_section(in));
-  if (const auto tree = get_section(in); !tree.empty()) container.tree = tree_from_bytes(tree);
-  if (const auto order = get_section(in); !order.empty()) {
-    if (order.size() != std::size_t{container.shape.rows} * 4)
-      in.fail("a row order of " + std::to_string(order.size()) + " bytes; need 4 a row");
-    std::vector<std::uint32_t> map(container.shape.rows);
-    std::memcpy(map.data(), order.data(), order.size());
-    try {
-      container.row_order = Permutation::from_new_of_old(std::move(map));
-    } catch (const std::invalid_argument& error) {
-      in.fail(std::string("row order: ") + error.what());
-    }
-  }
-  const auto index = get_section(in), payload = get_section(in);
-  container.encoded.node_index.assign(index.begin(), index.end());
+  container.shape = head.shape;
+  container.ones = head.ones;
+  container.codec = head.codec;
+  container.facts = text(head.section(ContainerHead::facts));
+  if (const auto tree = head.section(ContainerHead::tree); !tree.empty())
+    container.tree = tree_from_bytes(tree);
+  container.row_order = order_from_bytes(head.section(ContainerHead::row_order), head.shape.rows);
+  container.column_order = order_from_bytes(head.section(ContainerHead::column_order), head.shape.columns);
+  const auto index = head.section(ContainerHead::index), payload = head.section(ContainerHead::payload);
+  container.encoded.index.assign(index.begin(), index.end());
   container.encoded.payload.assign(payload.begin(), payload.end());
-  if (in.left() != 8) in.fail(std::to_string(in.left() - 8) + " bytes after the payload");
   return container;
 }
 
-Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree,
-                   const Permutation* row_order) {
+Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree) {
   Container container;
   container.shape = matrix.shape();
   container.ones = matrix.ones();
   container.codec = codec.name;
   if (tree != nullptr) container.tree = *tree;
-  if (row_order != nullptr) {
-    container.row_order = *row_order;
-    container.encoded =
-        codec.encode(permute(matrix, *row_order, Permutation::identity(matrix.shape().columns)), tree);
-  } else {
-    container.encoded = codec.encode(matrix, tree);
-  }
+  container.encoded = codec.encode(matrix, tree);
   return container;
 }
 
 VisibilityMatrix decompress(const Container& container, const Codec& codec) {
   assert(container.codec == codec.name);
-  VisibilityMatrix matrix = codec.decode(container.encoded.payload, container.encoded.node_index,
-                                         container.shape, container.tree ? &*container.tree : nullptr);
+  const auto& [payload, index] = container.encoded;
+  const Shape shape = claimed_shape(container.shape.rows, container.shape.columns, container.ones);
+  VisibilityMatrix matrix =
+      codec.open_rows != nullptr
+          ? decode_rows(codec.open_rows, codec.rows_per_part, payload, index, shape, container.ones)
+          : codec.decode(payload, index, shape, container.tree ? &*container.tree : nullptr);
   if (matrix.ones() != container.ones) {
     throw FormatError("the payload holds " + std::to_string(matrix.ones()) + " ones; the file states " +
                       std::to_string(container.ones));
   }
-  if (!container.row_order) return matrix;
-  return permute(matrix, container.row_order->inverse(), Permutation::identity(container.shape.columns));
+  return matrix;
 }
 
 }  // namespace vismat

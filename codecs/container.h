@@ -1,5 +1,7 @@
-// `.vmat`: one compressed visibility matrix in a file. docs/vmat.md gives the layout.
+// `.vmat`: one compressed visibility matrix in a file. docs/vmat.md gives the layout. read_container takes in all of it;
+// row_reader.h reads single rows of a file that stays where it is.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -17,28 +19,56 @@ struct Container {
   std::uint64_t ones = 0;
   std::string codec;
   Encoded encoded;
-  std::optional<ObjectTree> tree;        // over the columns; to codecs over a tree the columns are its nodes
-  std::optional<Permutation> row_order;  // the payload's rows stand in this order: row r at new_of_old()[r]
-  std::string facts;                     // what the source file said of the matrix, one `key: value` a line
+  std::optional<ObjectTree> tree;  // over the columns; to codecs over a tree the columns are its nodes
+  /// Where the rows and columns of the source stand in this file, if it was reordered (Dataset's row_order, column_order).
+  std::optional<Permutation> row_order, column_order;
+  std::string facts;  // what the source file said of the matrix, one `key: value` a line
   bool operator==(const Container&) const = default;
 };
 
 /// Same container, same bytes.
 std::vector<std::byte> write_container(const Container& container);
-/// Throws FormatError on bytes that write_container cannot have made: wrong magic, another version, sections
-/// that overlap the end, a checksum that differs, a tree that is none. Allocates no more than a few times the
+/// Throws FormatError on bytes that write_container cannot have made: wrong magic, another version, sizes that do not add
+/// up to the file's, a checksum that differs, a tree or an order that is none. Allocates no more than a few times the
 /// file's size.
 Container read_container(std::span<const std::byte> bytes);
 
-/// The checksum in a file's last 8 bytes, over all bytes before them: FNV-1a of 64 bits, each of whose steps
-/// is a bijection of the state, so that any one changed byte changes the sum.
-std::uint64_t container_checksum(std::span<const std::byte> bytes);
-
-/// Encodes with the rows in `row_order` (null: as they stand). Throws what the codec throws.
-Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree = nullptr,
-                   const Permutation* row_order = nullptr);
-/// The matrix, rows in their own order again. `codec` must be the one that the container names. FormatError
-/// where the payload does not decode to the shape and number of ones that the container states.
+/// Encodes the matrix as it stands. Throws what the codec throws.
+Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree = nullptr);
+/// The matrix as it stands in the file. `codec` must be the one that the container names. FormatError where the payload
+/// does not decode to the shape and number of ones that the container states.
 VisibilityMatrix decompress(const Container& container, const Codec& codec);
+
+/// The head of a file and where its sections lie; what a reader checks before it touches anything else.
+class ContainerHead {
+ public:
+  static constexpr std::uint64_t block_bytes = 4096;  // of the body, a checksum each
+  enum Section { facts, tree, row_order, column_order, index, payload, sections };
+
+  /// Checks magic, version, the head's checksum, that the sections fill the file exactly, and the checksum over the blocks'
+  /// checksums. O(blocks); reads nothing of the body. Throws FormatError.
+  explicit ContainerHead(std::span<const std::byte> file);
+
+  Shape shape;
+  std::uint64_t ones = 0;
+  std::string codec;
+  /// Borrowed from the file. Its bytes are unchecked until check_block went over their blocks.
+  std::span<const std::byte> section(Section which) const { return section_[which]; }
+  std::span<const std::byte> body() const { return body_; }
+  std::uint64_t blocks() const { return (body_.size() + block_bytes - 1) / block_bytes; }
+  /// Throws FormatError where the block's checksum differs.
+  void check_block(std::uint64_t block) const;
+
+ private:
+  std::span<const std::byte> sums_, body_;
+  std::array<std::span<const std::byte>, sections> section_;
+};
+
+/// Makes every checksum right in bytes whose head tells sizes that fit the file; other bytes stay as they are. The
+/// writer's last step, and what a fuzzer needs.
+void seal_container(std::span<std::byte> file);
+
+/// Reads a section that was checked. Empty: none.
+std::optional<Permutation> order_from_bytes(std::span<const std::byte> bytes, std::uint32_t size);
 
 }  // namespace vismat

@@ -109,7 +109,7 @@ Encoded encode_over_tree(NodeCoder& coder, const VisibilityMatrix& matrix, const
   for_each_node(cells_of_node, *tree, [&](const ChildBits& node) {
     const std::size_t before = out.payload.size();
     coder.encode(node, out.payload);
-    put_varint(out.node_index, out.payload.size() - before);
+    put_varint(out.index, out.payload.size() - before);
   });
   return out;
 }

@@ -143,4 +143,14 @@ Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& c
   return dataset;
 }
 
+Dataset in_source_order(Dataset dataset) {
+  const auto [rows, columns] = dataset.matrix.shape();
+  const Permutation row_back = dataset.row_order ? dataset.row_order->inverse() : Permutation::identity(rows),
+                    column_back = dataset.column_order ? dataset.column_order->inverse() : Permutation::identity(columns);
+  dataset = reordered(std::move(dataset), row_back, column_back);
+  dataset.row_order.reset();
+  dataset.column_order.reset();
+  return dataset;
+}
+
 }  // namespace vismat

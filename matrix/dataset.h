@@ -62,5 +62,7 @@ Dataset over_nodes(const Dataset& objects);
 /// column_order lead from the source's numbers to the present ones. A tree whose nodes are the columns cannot follow another
 /// order of columns and is left out.
 Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& columns);
+/// Undoes what row_order and column_order tell, and is without them.
+Dataset in_source_order(Dataset dataset);
 
 }  // namespace vismat

@@ -1,12 +1,23 @@
 // Matrices that every codec and order is tried on.
 #pragma once
 #include <algorithm>
+#include <ostream>
 #include <string>
 #include <vector>
 
+#include "codecs/codec.h"
 #include "matrix/object_tree.h"
 #include "matrix/random.h"
 #include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+/// GoogleTest's name for a codec as a test's parameter.
+inline void PrintTo(const Codec& codec, std::ostream* out) {
+  *out << codec.name;
+}
+
+}  // namespace vismat
 
 namespace vismat::test {
 

@@ -1,0 +1,12 @@
+// CRC-32, the one of gzip, PNG and zip: reflected polynomial 0xedb88320. Finds any one error of at most 32 bits in a row.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace vismat {
+
+/// 8 bytes a step.
+std::uint32_t crc32(std::span<const std::byte> bytes);
+
+}  // namespace vismat
