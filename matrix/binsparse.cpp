@@ -348,6 +348,32 @@ std::optional<VisibilityMatrix> read_neighbours(const Hdf5File& file, std::uint3
   return VisibilityMatrix::from_csr({rows, rows}, std::move(offsets), std::move(ids));
 }
 
+std::vector<Boundary> read_boundaries(const Hdf5File& file, std::uint32_t rows) {
+  const std::string name = "/vismat/boundaries";
+  if (!file.contains(name)) return {};
+  const auto dimensions = file.dimensions(name);
+  if (rows % 2 != 0 || dimensions != std::vector<std::uint64_t>{rows / 2, 2}) {
+    fail(name, "must have dimensions [rows / 2, 2], but there are " + std::to_string(rows) + " rows");
+  }
+  const std::vector<std::uint32_t> cells = file.read<std::uint32_t>(name);
+  std::vector<Boundary> boundaries(rows / 2);
+  for (std::size_t b = 0; b < boundaries.size(); ++b) boundaries[b] = {cells[2 * b], cells[2 * b + 1]};
+  try {
+    BoundaryMap map(boundaries);
+  } catch (const std::invalid_argument& error) {
+    fail(name, error.what());
+  }
+  return boundaries;
+}
+
+void write_boundaries(Hdf5File& file, const std::vector<Boundary>& boundaries) {
+  if (boundaries.empty()) return;
+  std::vector<std::uint32_t> cells;
+  cells.reserve(boundaries.size() * 2);
+  for (const auto [from, to] : boundaries) cells.insert(cells.end(), {from, to});
+  file.write<std::uint32_t>("/vismat/boundaries", cells, {boundaries.size(), 2});
+}
+
 std::optional<ObjectTree> read_tree(const Hdf5File& file) {
   if (!file.contains(tree_group)) return std::nullopt;
   const auto objects = file.number_attribute(tree_group, "object_count");
@@ -408,6 +434,7 @@ Dataset read_binsparse(const Hdf5File& file) {
   dataset.row_order = read_order(file, "/vismat/row_order", shape.rows);
   dataset.column_order = read_order(file, "/vismat/column_order", shape.columns);
   dataset.row_neighbours = read_neighbours(file, shape.rows);
+  dataset.boundaries = read_boundaries(file, shape.rows);
   dataset.tree = read_tree(file);
   check_tree(dataset);
   return dataset;
@@ -446,6 +473,7 @@ void write_binsparse(Hdf5File& file, const Dataset& dataset) {
     file.write(neighbours_group + "/pointers_to_1", neighbours.offsets(), {neighbours.offsets().size()});
     file.write(neighbours_group + "/indices_1", neighbours.ids(), {neighbours.ones()});
   }
+  write_boundaries(file, dataset.boundaries);
   if (dataset.tree) {
     file.write(tree_group + "/parent", dataset.tree->parent_of_node(), {dataset.tree->size()});
     file.write(tree_group + "/object", dataset.tree->object_of_node(), {dataset.tree->size()});

@@ -132,6 +132,7 @@ Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& c
   dataset.row_bounds = moved(dataset.row_bounds, rows);
   dataset.column_bounds = moved(dataset.column_bounds, columns);
   if (dataset.row_neighbours) dataset.row_neighbours = permute(std::move(*dataset.row_neighbours), rows, rows);
+  if (!rows.is_identity()) dataset.boundaries.clear();
   if (dataset.tree && !columns.is_identity()) {
     dataset.tree =
         dataset.columns_are_nodes ? std::nullopt : std::optional(with_objects_moved(*dataset.tree, columns));

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "matrix/deltas.h"
 #include "matrix/object_tree.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
@@ -38,6 +39,8 @@ struct Dataset {
   // Each is empty where it is not known.
   std::vector<Box> row_bounds, column_bounds;      // one a row, one a column
   std::optional<VisibilityMatrix> row_neighbours;  // rows x rows: which view cells touch
+  /// Between which view cells the rows are differences, as in Deltas: rows == 2 * boundaries.size().
+  std::vector<Boundary> boundaries;
   /// A hierarchy over the columns: its leafs name them (object_count() == columns). Where columns_are_nodes, each
   /// column is a node of it instead (size() == columns) and the matrix is monotone over the tree.
   std::optional<ObjectTree> tree;
@@ -60,7 +63,7 @@ Dataset over_nodes(const Dataset& objects);
 
 /// Rows and columns in a new order, with all that goes by them: boxes, neighbours, the objects in the tree; row_order and
 /// column_order lead from the source's numbers to the present ones. A tree whose nodes are the columns cannot follow another
-/// order of columns and is left out.
+/// order of columns and is left out, boundaries another order of rows.
 Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& columns);
 /// Undoes what row_order and column_order tell, and is without them.
 Dataset in_source_order(Dataset dataset);

@@ -40,7 +40,7 @@ class ScratchFile {
       ::access("/dev/shm", W_OK) == 0 ? "/dev/shm/vismat-fuzz-XXXXXX" : "/tmp/vismat-fuzz-XXXXXX";
 };
 
-// Text up to a NUL is the descriptor; then arrays: which one, of what type, how many bytes.
+// Text up to a NUL is the descriptor; then arrays: which one, of what type, how many bytes. Boundaries come in pairs.
 void write_parts(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
   constexpr const char* names[] = {"/pointers_to_1",
                                    "/indices_0",
@@ -50,7 +50,8 @@ void write_parts(const std::filesystem::path& path, std::span<const std::uint8_t
                                    "/vismat/row_neighbours/pointers_to_1",
                                    "/vismat/row_neighbours/indices_1",
                                    "/vismat/tree/parent",
-                                   "/vismat/tree/object"};
+                                   "/vismat/tree/object",
+                                   "/vismat/boundaries"};
   Hdf5File file = Hdf5File::create(path);
   const auto end = std::find(bytes.begin(), bytes.end(), 0);
   file.write_attribute("/", "binsparse", std::string(bytes.begin(), end));
@@ -62,13 +63,17 @@ void write_parts(const std::filesystem::path& path, std::span<const std::uint8_t
     const std::size_t size = std::min<std::size_t>(bytes[1], bytes.size() - 2);
     const auto body = bytes.subspan(2, size);
     bytes = bytes.subspan(2 + size);
+    const auto dimensions = [&](std::uint64_t length) {
+      const bool pairs = name == "/vismat/boundaries" && length % 2 == 0;
+      return pairs ? std::vector<std::uint64_t>{length / 2, 2} : std::vector{length};
+    };
     try {
       if (wide) {
         std::vector<std::uint32_t> numbers(size / 4);
         if (!numbers.empty()) std::memcpy(numbers.data(), body.data(), numbers.size() * 4);
-        file.write<std::uint32_t>(name, numbers, {numbers.size()});
+        file.write<std::uint32_t>(name, numbers, dimensions(numbers.size()));
       } else {
-        file.write<std::uint8_t>(name, body, {size});
+        file.write<std::uint8_t>(name, body, dimensions(size));
       }
       if (name == "/vismat/tree/parent") file.write_attribute("/vismat/tree", "object_count", bytes.size());
     } catch (const FormatError&) {  // named twice

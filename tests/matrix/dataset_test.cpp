@@ -35,6 +35,16 @@ Dataset full_dataset() {
   return dataset;
 }
 
+Dataset differences() {
+  Dataset dataset;
+  const auto cells = VisibilityMatrix::from_rows({{0, 2}, {}, {1, 2}, {1}}, 3);
+  Deltas deltas = deltas_of(cells, VisibilityMatrix::from_rows({{1}, {0, 3}, {}, {1}}, 4));
+  dataset.matrix = std::move(deltas.lists);
+  dataset.boundaries = std::move(deltas.boundaries);
+  dataset.rows_are = "boundary list";
+  return dataset;
+}
+
 Dataset large_dataset() {
   Random random(3);
   std::vector<std::vector<std::uint32_t>> rows(800);
@@ -85,12 +95,23 @@ TEST(Dataset, ReorderedLeavesOutATreeWhoseNodesTheColumnsWere) {
   EXPECT_FALSE(after.columns_are_nodes);
 }
 
+TEST(Dataset, ReorderedKeepsBoundariesUnlessRowsMove) {
+  const Dataset before = differences();
+  const auto columns = Permutation::from_new_of_old({1, 0, 2});
+  const Dataset after = reordered(before, Permutation::identity(8), columns);
+  EXPECT_EQ(after.boundaries, before.boundaries);
+  EXPECT_EQ(cells_of({after.boundaries, after.matrix}),
+            permute(cells_of({before.boundaries, before.matrix}), Permutation::identity(4), columns));
+  const auto rows = Permutation::from_new_of_old({1, 0, 2, 3, 4, 5, 6, 7});
+  EXPECT_TRUE(reordered(before, rows, columns).boundaries.empty());
+}
+
 TEST(Dataset, KeepsEverythingInBinsparse) {
   const TemporaryFolder folder;
   const auto turned = reordered(full_dataset(), Permutation::from_new_of_old({2, 0, 1}),
                                 Permutation::from_new_of_old({1, 0, 2}));
   for (const Dataset& dataset :
-       {Dataset{}, full_dataset(), over_nodes(full_dataset()), large_dataset(), turned}) {
+       {Dataset{}, full_dataset(), over_nodes(full_dataset()), large_dataset(), turned, differences()}) {
     write_dataset(folder / "a.bsp.h5", dataset);
     EXPECT_EQ(read_dataset(folder / "a.bsp.h5"), dataset);
   }
@@ -165,6 +186,23 @@ TEST(Dataset, RefusesGeometryThatDoesNotFit) {
     d.columns_are_nodes = true;
     d.tree = std::nullopt;
   });
+  refused("/vismat/boundaries: must have dimensions [rows / 2, 2], but there are 3 rows", [](Dataset& d) {
+    d.boundaries = {{Boundary::outside, 0}};
+  });
+  refused("/vismat/boundaries: must have dimensions [rows / 2, 2], but there are 8 rows", [](Dataset& d) {
+    d = differences();
+    d.boundaries.pop_back();
+  });
+  refused("/vismat/boundaries: boundary 3, cell 3 to cell 1: leads down", [](Dataset& d) {
+    d = differences();
+    std::swap(d.boundaries[3].from, d.boundaries[3].to);
+  });
+  refused("/vismat/boundaries: boundary 1, outside to cell 3: must enter that part at its least",
+          [](Dataset& d) {
+            d = differences();
+            d.boundaries[0].to = 2;
+            d.boundaries[1].to = 3;
+          });
 }
 
 TEST(Dataset, EveryTruncationIsRefused) {
