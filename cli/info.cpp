@@ -1,6 +1,5 @@
 // vismat info: what a file holds, whatever kind of file it is, told by its first bytes.
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/summary.h"
 #include "cli/verbs.h"
 #include "codecs/container.h"
 #include "matrix/atomic_file.h"
@@ -23,32 +23,6 @@
 
 namespace vismat::cli {
 namespace {
-
-// Control characters of a hostile file would rearrange the terminal.
-std::string printable(std::string_view text) {
-  std::string result(text);
-  std::replace_if(
-      result.begin(), result.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
-  return result;
-}
-
-void line(const char* what, const std::string& value) {
-  std::printf("%-16s %s\n", what, printable(value).c_str());
-}
-
-// "729 330"
-std::string grouped(std::uint64_t number) {
-  std::string digits = std::to_string(number);
-  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, " ");
-  return digits;
-}
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-  std::array<char, 256> text;
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
 
 std::uint32_t distinct_rows(const VisibilityMatrix& matrix) {
   struct Row {
@@ -115,6 +89,7 @@ void print_dataset(const Dataset& dataset) {
   if (dataset.row_neighbours)
     add(true, "row neighbours (" + grouped(dataset.row_neighbours->ones() / 2) + " pairs)");
   line("geometry", geometry.empty() ? "none" : geometry);
+  if (!dataset.boundaries.empty()) line("boundaries", summary_of(dataset.boundaries));
   if (dataset.row_order || dataset.column_order) {
     line("reordered", std::string(dataset.row_order ? "rows" : "") +
                           (dataset.row_order && dataset.column_order ? ", " : "") +

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   add_see(app);
   add_tree(app);
   add_order(app);
+  add_deltas(app);
   add_encode(app);
   add_decode(app);
   add_row(app);

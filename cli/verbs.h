@@ -10,6 +10,7 @@ void add_generate(CLI::App& app);
 void add_see(CLI::App& app);
 void add_tree(CLI::App& app);
 void add_order(CLI::App& app);
+void add_deltas(CLI::App& app);
 void add_encode(CLI::App& app);
 void add_decode(CLI::App& app);
 void add_row(CLI::App& app);

@@ -182,6 +182,18 @@ VisibilityMatrix cells_of(const Deltas& deltas) {
   return VisibilityMatrix::from_rows(rows, deltas.lists.shape().columns);
 }
 
+VisibilityMatrix neighbours_of(std::span<const Boundary> boundaries) {
+  const BoundaryMap map(boundaries);
+  std::vector<std::uint64_t> offsets = {0};
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t cell = 0; cell < map.cells(); ++cell) {
+    std::ranges::copy_if(map.neighbours(cell), std::back_inserter(ids),
+                         [](std::uint32_t neighbour) { return neighbour != Boundary::outside; });
+    offsets.push_back(ids.size());
+  }
+  return VisibilityMatrix::from_csr({map.cells(), map.cells()}, std::move(offsets), std::move(ids));
+}
+
 BoundaryMap::BoundaryMap(std::span<const Boundary> boundaries) {
   check_order(boundaries);
   std::uint32_t cells = 0;

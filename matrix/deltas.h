@@ -35,6 +35,10 @@ Deltas deltas_of(const VisibilityMatrix& cells, const VisibilityMatrix& neighbou
 /// memory: the cells, which may be any times larger than the lists.
 VisibilityMatrix cells_of(const Deltas& deltas);
 
+/// Which cells the boundaries join: cells x cells, symmetric, so that deltas_of(cells_of(d), neighbours_of(d.boundaries)) == d.
+/// Throws as BoundaryMap does.
+VisibilityMatrix neighbours_of(std::span<const Boundary> boundaries);
+
 /// A boundary on the way across it; the rows of Deltas::lists to apply.
 struct Crossing {
   std::uint32_t boundary;

@@ -76,8 +76,8 @@ std::vector<std::string> verbs() {
 }
 
 TEST(Program, HelpNamesEveryVerb) {
-  const std::vector<std::string> expected = {"import", "city", "generate", "see", "tree", "order",
-                                             "encode", "decode", "node", "convert", "info"};
+  const std::vector<std::string> expected = {"import", "city",   "generate", "see",  "tree",    "order",
+                                             "deltas", "encode", "decode",   "node", "convert", "info"};
   const auto found = verbs();
   for (const std::string& verb : expected)
     EXPECT_NE(std::find(found.begin(), found.end(), verb), found.end()) << verb;
@@ -171,6 +171,62 @@ TEST(Program, OrdersAndTellsHowFarFromTheBound) {
   const Dataset after = read_dataset(folder / "out.bsp.h5");
   ASSERT_TRUE(after.row_order && after.column_order);
   EXPECT_EQ(permute(before.matrix, *after.row_order, *after.column_order), after.matrix);
+}
+
+TEST(Program, TakesDifferencesAndUndoesThem) {
+  const TemporaryFolder folder;
+  Dataset before = ring_of_clusters(60);
+  before.row_neighbours = VisibilityMatrix::from_rows(std::vector<std::vector<std::uint32_t>>(60), 60);
+  const std::string in = folder / "in.bsp.h5", deltas = folder / "deltas.bsp.h5", out = folder / "out.bsp.h5";
+  write_dataset(in, before);
+  for (const std::string neighbours : {"auto", "given", "boxes", "tree"}) {
+    const Finished run = vismat_program({"deltas", in, "-o", deltas, "--neighbours", neighbours});
+    ASSERT_EQ(run.code(), 0) << run.error;
+    const bool none = neighbours == "auto" || neighbours == "given";  // all cells alone
+    EXPECT_NE(run.out.find(none ? "0 between 60 cells, 60 from outside" : "between 60 cells, 1 from outside"),
+              std::string::npos)
+        << run.out;
+    EXPECT_EQ(read_dataset(deltas).rows_are, "boundary list");
+    ASSERT_EQ(vismat_program({"deltas", "--undo", deltas, "-o", out}).code(), 0);
+    const Dataset after = read_dataset(out);
+    EXPECT_EQ(after.matrix, before.matrix);
+    EXPECT_EQ(after.column_bounds, before.column_bounds);
+    EXPECT_EQ(after.guarantee, Guarantee::exact);
+    const std::string info = vismat_program({"info", deltas}).out;
+    EXPECT_NE(info.find("\nboundaries       "), std::string::npos) << info;
+  }
+}
+
+TEST(Program, RefusesDifferencesThatCannotBe) {
+  const TemporaryFolder folder;
+  Dataset cells = ring_of_clusters(60);
+  const std::string in = folder / "in.bsp.h5", bare = folder / "bare.mtx", deltas = folder / "deltas.bsp.h5",
+                    damaged = folder / "damaged.bsp.h5", out = folder / "out.bsp.h5";
+  write_dataset(in, cells);
+  write_dataset(bare, cells);
+  ASSERT_EQ(vismat_program({"deltas", in, "-o", deltas}).code(), 0);
+  Dataset wrong = read_dataset(deltas);
+  wrong.matrix = VisibilityMatrix::from_rows(
+      std::vector<std::vector<std::uint32_t>>(wrong.matrix.shape().rows, {7}), wrong.matrix.shape().columns);
+  write_dataset(damaged, wrong);
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
+    const Finished run = vismat_program(words);
+    EXPECT_EQ(run.code(), 1) << why;
+    EXPECT_EQ(run.out, "");
+    EXPECT_NE(run.error.find(why), std::string::npos) << run.error;
+    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+    EXPECT_EQ(folder.entries(), 4u);
+  };
+  refused({"deltas", in, "-o", out, "--neighbours", "given"}, "in.bsp.h5: does not say which rows touch");
+  refused({"deltas", bare, "-o", out, "--neighbours", "boxes"}, "bare.mtx: has no boxes of its rows");
+  refused({"deltas", in, "-o", folder / "out.mtx"}, "out.mtx: Matrix Market has no place for the boundaries");
+  refused({"deltas", in, "-o", folder / "no/folder.bsp.h5"}, "no/folder.bsp.h5");
+  refused({"deltas", deltas, "-o", out}, "deltas.bsp.h5: holds differences already");
+  refused({"deltas", "--undo", in, "-o", out}, "in.bsp.h5: holds no boundaries");
+  refused({"deltas", "--undo", damaged, "-o", out},
+          "damaged.bsp.h5: boundary 0, outside to cell 0: column 7");
+  refused({"deltas", "--undo", deltas, "-o", out, "--neighbours", "tree"}, "--neighbours");
+  refused({"deltas", in, "-o", out, "--neighbours", "walls"}, "--neighbours");
 }
 
 TEST(Program, OrdersOutOfCoreAsInMemory) {

@@ -102,6 +102,7 @@ TEST(Deltas, LeadBackToTheCells) {
     EXPECT_EQ(deltas.lists.shape().rows, 2 * deltas.boundaries.size());
     const VisibilityMatrix back = cells_of(deltas);
     EXPECT_EQ(back, c.cells);
+    EXPECT_EQ(deltas_of(back, neighbours_of(deltas.boundaries)), deltas);
   }
 }
 

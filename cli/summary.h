@@ -1,0 +1,31 @@
+// Lines of "what: value" that verbs print of a file.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "matrix/deltas.h"
+
+namespace vismat::cli {
+
+/// Control characters of a hostile file would rearrange the terminal: each becomes '?'.
+std::string printable(std::string_view text);
+/// One line on stdout, printable, the values below one another.
+void line(const char* what, const std::string& value);
+/// "729 330"
+std::string grouped(std::uint64_t number);
+
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+  std::array<char, 256> text;
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+/// "6 331 between 2 415 cells, 1 from outside"
+std::string summary_of(std::span<const Boundary> boundaries);
+
+}  // namespace vismat::cli
