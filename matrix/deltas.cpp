@@ -125,7 +125,7 @@ std::vector<Boundary> boundaries_between(const VisibilityMatrix& neighbours) {
 const std::uint32_t* first_not_below(const std::uint32_t* at, const std::uint32_t* end, std::uint32_t id) {
   std::ptrdiff_t step = 1;
   for (; step < end - at && at[step] < id; step *= 2) at += step;
-  return std::lower_bound(at, std::min(end, at + step), id);
+  return std::lower_bound(at, at + std::min(step, end - at), id);
 }
 
 }  // namespace
