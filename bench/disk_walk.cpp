@@ -1,11 +1,9 @@
 // Disk reads of a viewer who walks through a level, by the order its faces have on the disk [Chhugani et al. 2005, 6.1
 // and Fig. 12].
 //
-// The walk: the viewer goes to a cell drawn at random by the shortest way through cells that touch and see one another,
-// between their centres, then to the next: straight on, as one who knows the level, over all of it. Cells that no such
-// way joins to the largest part are left out. In each cell the faces seen and not in memory are fetched. A face takes
-// the bytes of its vertices and indices as a renderer loads them: 44 a vertex (the level's own record: place, two pairs
-// of texture coordinates, normal, colour), 4 an index, curved faces as the triangles they are drawn with.
+// The walk is bench/level_walk.h's. In each cell the faces seen and not in memory are fetched. A face takes the bytes of
+// its vertices and indices as a renderer loads them: 44 a vertex (the level's own record: place, two pairs of texture
+// coordinates, normal, colour), 4 an index, curved faces as the triangles they are drawn with.
 //
 // Measured (oa_koth1, ctf_compromise, ctf_inyard, czest3ctf, oasago2; .8 to 2.3 MB of faces, 5000 cells walked through):
 // with pages of 4 KB and no read-ahead `best` takes 76 to 93 % fewer reads than random and 54 to 69 % fewer than the
@@ -17,26 +15,20 @@
 // cells see or what appears between them is ordered (--whole-sets: 5 points at most, mostly below 1).
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <functional>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 #include <iostream>
 #include <iterator>
-#include <queue>
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "bench/level_walk.h"
 #include "bench/measure.h"
 #include "layout/cost.h"
 #include "layout/disk.h"
 #include "layout/reordering.h"
 #include "matrix/atomic_file.h"
-#include "matrix/random.h"
 #include "visibility/levels/level_file.h"
 
 namespace {
@@ -71,100 +63,16 @@ std::vector<std::uint64_t> face_bytes(const Scene& scene, std::uint32_t detail) 
   return bytes;
 }
 
-glm::vec3 centre(const Box& box) {
-  return .5f *
-         (glm::vec3(box.low[0], box.low[1], box.low[2]) + glm::vec3(box.high[0], box.high[1], box.high[2]));
-}
-
-// Cells from which to go on to which: they touch, and see one another.
-std::vector<std::vector<std::uint32_t>> passages(const Level& level) {
-  std::vector<std::vector<std::uint32_t>> to(level.cells.shape().rows);
-  for (std::uint32_t a = 0; a < to.size(); ++a) {
-    for (const std::uint32_t b : level.cell_neighbours.row(a)) {
-      if (level.cells.contains(a, b) && level.cells.contains(b, a)) to[a].push_back(b);
-    }
-  }
-  return to;
-}
-
-std::vector<std::uint32_t> largest_part(const std::vector<std::vector<std::uint32_t>>& passages) {
-  std::vector<bool> reached(passages.size(), false);
-  std::vector<std::uint32_t> largest;
-  for (std::uint32_t start = 0; start < passages.size(); ++start) {
-    if (reached[start]) continue;
-    std::vector<std::uint32_t> part = {start};
-    reached[start] = true;
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      for (const std::uint32_t next : passages[part[i]]) {
-        if (reached[next]) continue;
-        reached[next] = true;
-        part.push_back(next);
-      }
-    }
-    if (part.size() > largest.size()) largest = std::move(part);
-  }
-  return largest;
-}
-
-// The cells after `from` on the shortest way to `goal`.
-std::vector<std::uint32_t> way(const std::vector<std::vector<std::uint32_t>>& passages,
-                               const std::vector<Box>& cells, std::uint32_t from, std::uint32_t goal) {
-  std::vector<float> length(passages.size(), INFINITY);
-  std::vector<std::uint32_t> next(passages.size(), goal);
-  using Reached = std::pair<float, std::uint32_t>;
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
-  length[goal] = 0;
-  queue.emplace(0.f, goal);
-  while (!queue.empty() && queue.top().second != from) {  // from the goal, so that `next` leads to it
-    const auto [so_far, cell] = queue.top();
-    queue.pop();
-    if (so_far > length[cell]) continue;
-    for (const std::uint32_t other : passages[cell]) {
-      const float longer = so_far + glm::distance(centre(cells[cell]), centre(cells[other]));
-      if (longer >= length[other]) continue;
-      length[other] = longer;
-      next[other] = cell;
-      queue.emplace(longer, other);
-    }
-  }
-  std::vector<std::uint32_t> cells_on_it;
-  for (std::uint32_t at = from; at != goal;) cells_on_it.push_back(at = next[at]);
-  return cells_on_it;
-}
-
-std::vector<std::uint32_t> walk(const Level& level, std::uint32_t steps, std::uint64_t seed) {
-  const auto ways = passages(level);
-  const auto part = largest_part(ways);
-  if (part.size() < 2)
-    throw std::invalid_argument(level.name + ": no two cells of it touch and see one another");
-  Random random(seed);
-  std::vector<std::uint32_t> cells = {part[random.below(static_cast<std::uint32_t>(part.size()))]};
-  while (cells.size() <= steps) {
-    const std::uint32_t goal = part[random.below(static_cast<std::uint32_t>(part.size()))];
-    const auto further = way(ways, level.cell_bounds, cells.back(), goal);
-    cells.insert(cells.end(), further.begin(), further.end());
-  }
-  cells.resize(std::size_t{steps} + 1);
-  return cells;
-}
-
 // What appears where a viewer passes from a cell to the next, one row a passage and direction: paper 000's matrix.
-VisibilityMatrix appearing(const VisibilityMatrix& visible,
-                           const std::vector<std::vector<std::uint32_t>>& ways) {
+VisibilityMatrix appearing(const VisibilityMatrix& visible, const VisibilityMatrix& passages) {
   std::vector<std::vector<std::uint32_t>> rows;
-  for (std::uint32_t from = 0; from < ways.size(); ++from) {
-    for (const std::uint32_t to : ways[from]) {
+  for (std::uint32_t from = 0; from < passages.shape().rows; ++from) {
+    for (const std::uint32_t to : passages.row(from)) {
       std::ranges::set_difference(visible.row(to), visible.row(from),
                                   std::back_inserter(rows.emplace_back()));
     }
   }
   return VisibilityMatrix::from_rows(rows, visible.shape().columns);
-}
-
-// "maps/oa_koth1.bsp" and all before the last slash, or the colon: oa_koth1.
-std::string short_name(std::string name) {
-  name = name.substr(name.find_last_of("/:") + 1);
-  return name.substr(0, name.rfind(".bsp"));
 }
 
 double fewer(std::uint64_t reads, std::uint64_t than) {
@@ -176,8 +84,9 @@ void run(const Options& options, const std::string& where, std::string& csv) {
   if (level.face_ids.empty()) throw std::invalid_argument(where + ": a level without faces");
   const VisibilityMatrix visible = face_visibility(level);
   const auto bytes = face_bytes(level.face_scene, options.detail);
-  const auto steps = walk(level, options.steps, options.seed);
-  const VisibilityMatrix deltas = appearing(visible, passages(level));
+  const VisibilityMatrix passages = bench::passages(level);
+  const auto steps = bench::walk_cells(passages, level.cell_bounds, options.steps, options.seed);
+  const VisibilityMatrix deltas = appearing(visible, passages);
   const VisibilityMatrix& ordered_by = options.whole_sets ? visible : deltas;
 
   std::vector<DiskLayout> layouts;
@@ -218,7 +127,7 @@ void run(const Options& options, const std::string& where, std::string& csv) {
                     static_cast<unsigned long long>(count.reads), static_cast<double>(count.bytes_read) / 1e6,
                     static_cast<double>(count.bytes_wanted) / 1e6, fewer(count.reads, reads_of("random")),
                     fewer(count.reads, reads_of("identity")));
-        csv += bench::csv_line(short_name(level.name), options.layouts[i], page, ahead, options.steps,
+        csv += bench::csv_line(bench::level_name(level.name), options.layouts[i], page, ahead, options.steps,
                                count.reads, count.bytes_read, count.bytes_wanted, total, held, runs[i]);
       }
     }
