@@ -1,0 +1,191 @@
+// What a viewer loads at each boundary on a walk: ids that appear and vanish, and their bytes by each codec that gives
+// single rows [Chhugani et al. 2005, Figs. 9 and 14].
+//
+// The walk is bench/level_walk.h's: through the faces' visibility of levels, or through a matrix that knows its cells' boxes
+// and neighbours. The columns are ordered by what appears and vanishes. Both lists of a boundary count. What is seen in each
+// cell on the walk is checked against its row before anything is measured.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/level_walk.h"
+#include "bench/measure.h"
+#include "codecs/baseline_codecs.h"
+#include "codecs/pairs.h"
+#include "codecs/row_codec.h"
+#include "layout/reordering.h"
+#include "matrix/atomic_file.h"
+#include "matrix/dataset.h"
+#include "matrix/deltas.h"
+#include "matrix/hdf5_file.h"
+#include "visibility/levels/level_file.h"
+
+namespace {
+
+using namespace vismat;
+
+struct Options {
+  std::vector<std::string> inputs, codecs;
+  std::string order = "best";
+  std::uint32_t steps = 5000;
+  std::uint64_t seed = 1;
+  std::string csv;
+};
+
+// Cells with what a walk through them needs.
+struct Place {
+  std::string name;
+  VisibilityMatrix cells, passages;
+  std::vector<Box> cell_boxes, column_boxes;
+};
+
+Place read_place(const std::string& where) {
+  if (!is_hdf5(where)) {
+    const Level level = read_level(where);
+    if (level.face_ids.empty()) throw std::invalid_argument(where + ": a level without faces");
+    return {bench::level_name(level.name), face_visibility(level), bench::passages(level), level.cell_bounds,
+            level.face_bounds};
+  }
+  Dataset data = read_dataset(where);
+  if (!data.row_neighbours || data.row_bounds.empty())
+    throw std::invalid_argument(where + ": a walk needs the rows' boxes and neighbours");
+  return {bench::name_of(where), std::move(data.matrix), std::move(*data.row_neighbours),
+          std::move(data.row_bounds), std::move(data.column_bounds)};
+}
+
+// The boundaries that lead from cell to cell, each seen to lead to the right row.
+std::vector<Crossing> crossings_of(const Deltas& deltas, const VisibilityMatrix& cells,
+                                   std::span<const std::uint32_t> way) {
+  const BoundaryMap map(deltas.boundaries);
+  std::vector<std::uint32_t> visible(cells.row(way[0]).begin(), cells.row(way[0]).end()), next;
+  std::vector<Crossing> crossings;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const Crossing crossing = map.crossing(way[i - 1], way[i]).value();
+    const auto appears = deltas.lists.row(crossing.appears());
+    next.resize(visible.size() + appears.size());
+    next.resize(cross(visible, appears, deltas.lists.row(crossing.vanishes()), next));
+    visible.swap(next);
+    if (!std::ranges::equal(visible, cells.row(way[i])))
+      throw std::logic_error("a boundary leads to another row");
+    crossings.push_back(crossing);
+  }
+  return crossings;
+}
+
+// Of each row; where rows share their bytes, all of these.
+std::vector<std::uint64_t> bytes_of_rows(const VisibilityMatrix& matrix, const Codec& codec) {
+  const Encoded encoded = codec.encode(matrix, nullptr);
+  if (codec.decode(encoded.payload, encoded.index, matrix.shape(), nullptr) != matrix)
+    throw std::logic_error(std::string(codec.name) + " does not decode to what it encoded");
+  const RowIndex index(encoded.index, matrix.shape().rows, codec.rows_per_part, encoded.payload.size());
+  std::vector<std::uint64_t> bytes(matrix.shape().rows);
+  for (std::uint32_t r = 0; r < bytes.size(); ++r) {
+    const auto part = index.part(r / codec.rows_per_part, [](std::uint64_t, std::uint64_t) {});
+    bytes[r] = part.end - part.begin;
+  }
+  return bytes;
+}
+
+std::vector<Codec> chosen_codecs(const std::vector<std::string>& names) {
+  std::vector<Codec> codecs;
+  for (const std::string& name : names) codecs.push_back(find_codec(name));
+  if (names.empty()) codecs = all_codecs();
+  std::erase_if(codecs, [](const Codec& codec) { return codec.open_rows == nullptr; });
+  return codecs;
+}
+
+void print(const std::string& what, std::vector<std::uint64_t> numbers) {
+  std::ranges::sort(numbers);
+  const auto at = [&](double share) {
+    return static_cast<unsigned long long>(
+        numbers[static_cast<std::size_t>(share * static_cast<double>(numbers.size() - 1))]);
+  };
+  const double count = static_cast<double>(numbers.size());
+  const double mean = static_cast<double>(std::reduce(numbers.begin(), numbers.end())) / count;
+  const auto small = std::ranges::upper_bound(numbers, std::uint64_t{1024}) - numbers.begin();
+  std::printf("  %-16s %9.1f %9llu %9llu %9llu %9.1f\n", what.c_str(), mean, at(.5), at(.9), at(1),
+              100 * static_cast<double>(small) / count);
+}
+
+void run(const Options& options, const std::string& where, std::span<const Codec> codecs, std::string& csv) {
+  const Place place = read_place(where);
+  const auto way = bench::walk_cells(place.passages, place.cell_boxes, options.steps, options.seed);
+  Deltas deltas = deltas_of(place.cells, place.passages);
+  const auto crossings = crossings_of(deltas, place.cells, way);
+  const Permutation columns =
+      find_reordering(options.order)
+          .order_columns(deltas.lists, {.seed = options.seed, .column_bounds = place.column_boxes});
+  deltas.lists = permute(std::move(deltas.lists), Permutation::identity(deltas.lists.shape().rows), columns);
+
+  const std::uint32_t rows = deltas.lists.shape().rows;
+  std::vector<std::uint64_t> ids(rows), runs(rows, 0);
+  for (std::uint32_t r = 0; r < rows; ++r) {
+    ids[r] = deltas.lists.row(r).size();
+    for_each_run(deltas.lists.row(r), [&](std::uint32_t, std::uint32_t) { ++runs[r]; });
+  }
+  std::vector<std::vector<std::uint64_t>> bytes;
+  for (const Codec& codec : codecs) bytes.push_back(bytes_of_rows(deltas.lists, codec));
+  const auto of_both = [&](std::span<const std::uint64_t> of_row) {
+    std::vector<std::uint64_t> sums;
+    for (const Crossing& c : crossings) sums.push_back(of_row[c.appears()] + of_row[c.vanishes()]);
+    return sums;
+  };
+  std::printf("%s: %u cells, %u columns in the order %s, %zu boundaries, %.3f %% ones; %zu crossed\n",
+              place.name.c_str(), place.cells.shape().rows, place.cells.shape().columns,
+              options.order.c_str(), deltas.boundaries.size(), 100 * deltas.lists.density(),
+              crossings.size());
+  std::printf("  %-16s %9s %9s %9s %9s %9s\n", "both lists", "mean", "median", "9 of 10", "most",
+              "% <= 1024");
+  print("ids", of_both(ids));
+  print("runs", of_both(runs));
+  for (std::size_t k = 0; k < codecs.size(); ++k)
+    print(std::string(codecs[k].name) + ", bytes", of_both(bytes[k]));
+  std::printf("\n");
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    const std::uint32_t appears = crossings[i].appears(), vanishes = crossings[i].vanishes();
+    std::string line = bench::csv_line(place.name, options.order, i + 1, way[i + 1], ids[appears],
+                                       ids[vanishes], runs[appears] + runs[vanishes]);
+    for (const auto& of_row : bytes) {
+      line.back() = ',';
+      line += bench::csv_line(of_row[appears] + of_row[vanishes]);
+    }
+    csv += line;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "What changes at each boundary on a walk through view cells, and its bytes by each codec of rows");
+  Options options;
+  app.add_option("PLACE", options.inputs, "a level, FILE.bsp or FILE.pk3:maps/NAME.bsp; or a matrix, .bsp.h5")
+      ->required();
+  app.add_option("--codec", options.codecs,
+                 "as vismat encode names them; all that give single rows if none is named");
+  app.add_option("--columns", options.order, "order, as vismat order names it")->capture_default_str();
+  app.add_option("--steps", options.steps, "from cell to cell")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--seed", options.seed)->capture_default_str();
+  app.add_option("--csv", options.csv, "a line a step, written beside the table");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const std::vector<Codec> codecs = chosen_codecs(options.codecs);
+    std::string csv = "matrix,order,step,cell,appears,vanishes,runs";
+    for (const Codec& codec : codecs) csv += "," + std::string(codec.name);
+    csv += "\n";
+    for (const std::string& input : options.inputs) run(options, input, codecs, csv);
+    if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
+  } catch (const std::exception& error) {
+    std::cerr << "walk_deltas: " << error.what() << '\n';
+    return 1;
+  }
+}
