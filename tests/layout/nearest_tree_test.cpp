@@ -91,6 +91,9 @@ TEST(NearestTree, PrefersTheFirstOfEquals) {
   // Rows 1 and 2 are as near to 0 as to one another; 3 is row 0 again.
   const auto matrix = VisibilityMatrix::from_rows({{0, 1}, {0, 2}, {1, 2}, {0, 1}}, 3);
   EXPECT_EQ(nearest_tree(matrix), VisibilityMatrix::from_rows({{1, 2, 3}, {0}, {0}, {0}}, 4));
+  // Row 3 is as near to 1 as to 2, and 1 joins first.
+  const auto square = VisibilityMatrix::from_rows({{2}, {0, 2}, {1, 2}, {0, 1, 2}}, 3);
+  EXPECT_EQ(nearest_tree(square), VisibilityMatrix::from_rows({{1, 2}, {0, 3}, {0}, {1}}, 4));
 }
 
 TEST(NearestTree, ProgressAscendsToTheDistinctRows) {
