@@ -5,6 +5,7 @@
 #include "codecs/tree_coding.h"
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -15,15 +16,31 @@
 namespace vismat {
 namespace {
 
-// `part` must be a subset of `whole`; both ascend.
-void mark(std::span<const std::uint32_t> whole, std::span<const std::uint32_t> part, std::uint8_t* bits) {
-  std::size_t next = 0;
-  for (std::size_t p = 0; p < whole.size(); ++p) {
-    const bool in = next < part.size() && part[next] == whole[p];
-    bits[p] = in;
-    next += in;
+constexpr const char* not_monotone =
+    "the matrix is not monotone over its tree: some node is hidden where its child is visible";
+
+// Marks where the cells of a part stand among those of the whole.
+class Marker {
+ public:
+  explicit Marker(std::uint32_t cells) : place_(cells, 0) {}
+  void begin(std::span<const std::uint32_t> whole) {
+    whole_ = whole;
+    for (std::uint32_t p = 0; p < whole.size(); ++p) place_[whole[p]] = p;
   }
-}
+  // std::invalid_argument where the part holds a cell that the whole has not.
+  void mark(std::span<const std::uint32_t> part, std::uint8_t* bits) const {
+    std::memset(bits, 0, whole_.size());
+    for (const std::uint32_t cell : part) {
+      const std::uint32_t p = place_[cell];
+      if (p >= whole_.size() || whole_[p] != cell) throw std::invalid_argument(not_monotone);
+      bits[p] = 1;
+    }
+  }
+
+ private:
+  std::vector<std::uint32_t> place_;  // what others left there is found out by looking back
+  std::span<const std::uint32_t> whole_;
+};
 
 std::vector<std::uint32_t> marked(std::span<const std::uint32_t> whole, const std::uint8_t* bits) {
   std::vector<std::uint32_t> part(whole.size());
@@ -52,31 +69,30 @@ std::vector<std::uint32_t> every_cell(std::uint32_t rows) {
 }
 
 // Calls visit(ChildBits) for the root, where not every cell sees it, and then for each node that has
-// children.
+// children. Throws std::invalid_argument where the matrix is not monotone over the tree.
 template <typename Visit>
 void for_each_node(const VisibilityMatrix& cells_of_node, const ObjectTree& tree, const Visit& visit) {
+  const std::uint32_t rows = cells_of_node.shape().columns;
   ChildBits node;
-  const auto fill = [&node](std::span<const std::uint32_t> cells) {
+  Marker marker(rows);
+  const auto begin = [&](std::span<const std::uint32_t> cells, std::size_t children) {
+    node.children = static_cast<std::uint32_t>(children);
     node.cells = static_cast<std::uint32_t>(cells.size());
     node.bits.resize(checked_size(node.children, node.cells));
+    marker.begin(cells);
   };
-  const std::uint32_t rows = cells_of_node.shape().columns;
   if (tree.size() > 0 && cells_of_node.row(0).size() < rows) {
     const auto all = every_cell(rows);
-    node.children = 1;
-    fill(all);
-    mark(all, cells_of_node.row(0), node.bits.data());
+    begin(all, 1);
+    marker.mark(cells_of_node.row(0), node.bits.data());
     visit(node);
   }
   for (std::uint32_t n = 0; n < tree.size(); ++n) {
     const auto children = tree.children(n);
     if (children.empty()) continue;
-    const auto cells = cells_of_node.row(n);
-    node.children = static_cast<std::uint32_t>(children.size());
-    fill(cells);
-    for (std::size_t i = 0; i < children.size(); ++i) {
-      mark(cells, cells_of_node.row(children[i]), node.bits.data() + i * cells.size());
-    }
+    begin(cells_of_node.row(n), children.size());
+    for (std::size_t i = 0; i < children.size(); ++i)
+      marker.mark(cells_of_node.row(children[i]), node.bits.data() + i * node.cells);
     visit(node);
   }
 }
@@ -89,10 +105,6 @@ void check_fit(const VisibilityMatrix& matrix, const ObjectTree* tree) {
                                 " nodes but the matrix has " + std::to_string(matrix.shape().columns) +
                                 " columns; this codec needs one column a node ('vismat tree --nodes')");
   }
-  if (!is_monotone(matrix, *tree)) {
-    throw std::invalid_argument(
-        "the matrix is not monotone over its tree: some node is hidden where its child is visible");
-  }
 }
 
 }  // namespace
@@ -100,7 +112,7 @@ void check_fit(const VisibilityMatrix& matrix, const ObjectTree* tree) {
 Encoded encode_over_tree(NodeCoder& coder, const VisibilityMatrix& matrix, const ObjectTree* tree) {
   check_fit(matrix, tree);
   const VisibilityMatrix cells_of_node = transpose(matrix);
-  for_each_node(cells_of_node, *tree, [&](const ChildBits& node) { coder.see(node); });
+  if (coder.learns()) for_each_node(cells_of_node, *tree, [&](const ChildBits& node) { coder.see(node); });
 
   Encoded out;
   const bool root_everywhere = tree->size() == 0 || cells_of_node.row(0).size() == matrix.shape().rows;

@@ -25,11 +25,12 @@ struct LengthStatistics {
   double entropy_bytes = 0;
 };
 
-/// How one method codes one node's ChildBits. First see() is called for every node, then write_model, then
-/// encode.
+/// How one method codes one node's ChildBits. First see() is called for every node if it learns(), then write_model,
+/// then encode.
 class NodeCoder {
  public:
   virtual ~NodeCoder() = default;
+  virtual bool learns() const { return false; }
   virtual void see(const ChildBits&) {}
   virtual LengthStatistics statistics() const { return {}; }
   virtual void write_model(std::vector<std::byte>&) {}

@@ -16,6 +16,7 @@
 // coding, which the paper only calculated.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numeric>
@@ -33,8 +34,15 @@ namespace {
 // --- zach0, zach1, zach2: bits
 // ------------------------------------------------------------------------------
 
+// Eight bytes of 0 or 1 become eight bits, the first the lowest: each is moved to the top byte by a product of its own.
 void put_bits(BitWriter& out, std::span<const std::uint8_t> bits) {
-  for (const std::uint8_t bit : bits) out.put(bit, 1);
+  std::size_t i = 0;
+  for (; i + 8 <= bits.size(); i += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, bits.data() + i, 8);
+    out.put(eight * 0x0102040810204080u >> 56, 8);
+  }
+  for (; i < bits.size(); ++i) out.put(bits[i], 1);
 }
 
 // The bits of every child in the set `chosen` (one flag a child): their intersection, then each outside it.
@@ -45,10 +53,15 @@ void put_with_intersection(BitWriter& out, const ChildBits& node, const std::vec
       common[p] &= node.bits[std::size_t{i} * node.cells + p];
   }
   put_bits(out, common);
+  std::vector<std::uint8_t> outside(node.cells);
   for (std::uint32_t i = 0; i < node.children; ++i) {
+    const std::uint8_t* const bits = node.bits.data() + std::size_t{i} * node.cells;
+    std::size_t count = 0;
     for (std::uint32_t p = 0; p < node.cells; ++p) {
-      if (!chosen[i] || !common[p]) out.put(node.bits[std::size_t{i} * node.cells + p], 1);
+      outside[count] = bits[p];
+      count += !chosen[i] || !common[p];
     }
+    put_bits(out, std::span(outside).first(count));
   }
 }
 
@@ -172,6 +185,18 @@ class SomeIntersected : public NodeCoder {
 // --- zach3, zach4: lengths
 // ----------------------------------------------------------------------------------
 
+// The first place from `i` on that does not hold `value`, or the end. Runs are short: a call of memchr for each costs more.
+std::size_t end_of_run(std::span<const std::uint8_t> bits, std::size_t i, std::uint8_t value) {
+  for (; i + 8 <= bits.size(); i += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, bits.data() + i, 8);
+    eight ^= value * 0x0101010101010101u;
+    if (eight != 0) return i + static_cast<std::size_t>(std::countr_zero(eight)) / 8;
+  }
+  while (i < bits.size() && bits[i] == value) ++i;
+  return i;
+}
+
 // A way to see a row of bits as lengths: cut(bits, emit) calls emit(context, length >= 1), and paste, asking
 // next(context) for lengths, undoes it. `contexts` says how many tables a coder with contexts may keep.
 struct AlternatingRuns {
@@ -181,10 +206,7 @@ struct AlternatingRuns {
   template <typename Emit>
   static void cut(std::span<const std::uint8_t> bits, const Emit& emit) {
     for (std::size_t i = 0; i < bits.size();) {
-      const void* other = std::memchr(bits.data() + i, 1 - bits[i], bits.size() - i);
-      const std::size_t end =
-          other ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(other) - bits.data())
-                : bits.size();
+      const std::size_t end = end_of_run(bits, i, bits[i]);
       emit(bits[i], static_cast<std::uint32_t>(end - i));
       i = end;
     }
@@ -209,9 +231,7 @@ struct OnesBeforeZeros {
   static void cut(std::span<const std::uint8_t> bits,
                   const Emit& emit) {  // as if a zero followed the last bit
     for (std::size_t i = 0; i <= bits.size();) {
-      const void* zero = i < bits.size() ? std::memchr(bits.data() + i, 0, bits.size() - i) : nullptr;
-      const std::size_t end =
-          zero ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(zero) - bits.data()) : bits.size();
+      const std::size_t end = end_of_run(bits, i, 1);
       emit(std::size_t{0}, static_cast<std::uint32_t>(end - i + 1));
       i = end + 1;
     }
@@ -233,6 +253,7 @@ struct OnesBeforeZeros {
 template <typename Lengths>
 class CountedLengths : public NodeCoder {
  public:
+  bool learns() const override { return true; }
   void see(const ChildBits& node) override {
     bits_ += node.bits.size();
     Lengths::cut(node.bits, [this](std::size_t context, std::uint32_t length) {
