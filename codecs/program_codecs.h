@@ -1,0 +1,17 @@
+// Compressors that exist as programs under the GPL: run, never linked. For comparisons alone: they are no codecs of a .vmat
+// file that goes anywhere, since a reader would have to have them, and were not written for a stranger's bytes.
+#pragma once
+#include "codecs/codec.h"
+
+namespace vismat {
+
+/// zpaq and jbig1, over the whole bitmap. Each call runs the program in a folder of its own under the system's temporary
+/// one, quietly and without a shell, and removes it. Same input, same bytes. encode throws std::runtime_error where the
+/// program fails; decode FormatError on payloads that the program refuses, or that are no matrix of the shape; both
+/// std::runtime_error, naming the Debian package, where the program is missing.
+std::span<const Codec> program_codecs();
+
+/// Whether a codec of program_codecs() finds what it runs.
+bool program_available(const Codec& codec);
+
+}  // namespace vismat
