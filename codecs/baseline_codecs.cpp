@@ -12,6 +12,10 @@ std::span<const Codec> baseline_codecs() {
   static const std::vector<Codec> table = [] {
     std::vector<Codec> codecs;
     for (const Codec& codec : whole_file_baselines()) codecs.push_back(codec);
+    for (const Codec& codec : zlib_row_baselines()) codecs.push_back(codec);
+    for (const Codec& codec : zstd_row_baselines()) codecs.push_back(codec);
+    codecs.push_back(roaring_baseline());
+    codecs.push_back(streamvbyte_baseline());
     return codecs;
   }();
   return table;
