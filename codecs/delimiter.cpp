@@ -19,10 +19,13 @@
 // Decoding. A window of the list begins with the delimiter before a number; before the first number two ones are made up,
 // and behind the last one the end's 1 becomes 1110, a delimiter and a number that nobody reads. Where ones stand
 // together by three or more and end in the window, arithmetic on the whole word finds whether they are odd in number (a
-// subtraction carries through all of them at once, as in simdjson's escapes [Langdale, Lemire 2019]), hence l, hence where
-// the number behind them starts; the numbers 1 start every fourth place before, as far as the ones reach. Each code between
-// two starts is then a table's index; codes of more than 11 bits (numbers from 128 on at the earliest) take longer. A
-// number whose end the window does not show is read alone.
+// subtraction carries through all of them at once, as simdjson finds escaped characters [Langdale, Lemire 2019]), hence l,
+// hence where the number behind them starts; numbers 1 start every fourth place before, as far as the ones reach. From
+// the starts one sees every bit that the rules put in. Then either
+//   - pext takes these out of the whole window, which turned round holds the numbers' binary digits one behind the other, and
+//     two shifts cut out each; or,
+//   - without a fast pext, each code of up to 11 bits is an index of a table, and longer ones lose their bits one by one.
+// A number whose end the window does not show is read alone.
 //
 // The tables take 8 kB (decoding) and 4 kB.
 #include "codecs/delimiter.h"
@@ -109,54 +112,133 @@ constexpr auto number_of_small = [] {
   return table;
 }();
 
-constexpr const char* too_large = "a number above 2^32 - 1";
 [[noreturn]] void fail(std::int64_t place, const char* what) {
   throw FormatError("delimiter code, bit " + std::to_string(place) + ": " + what);
 }
 
-// Of a code of 2 to 63 bits, `place` bits into the list.
-std::uint32_t number_of_code(Code code, std::int64_t place) {
-  if (code.length > longest_delimited(32)) fail(place, too_large);
+// Of a code of 2 to 63 bits. A number of more than 32 bits comes out as some number of more than 32 bits.
+u64 number_of_code(Code code) {
   if (code.bits >> (code.length - 2) == 3) {  // what ends in 01 got one more 1
     --code.length;
     code.bits &= low_bits(code.length);
   }
   // Two ones stand together only where a 0 was put behind them.
-  for (u64 put = ~code.bits & code.bits << 1 & code.bits << 2; put != 0;) {
+  for (u64 put = ~code.bits & code.bits << 1 & code.bits << 2; put != 0; put = (put & (put - 1)) >> 1) {
     const u64 below = (put & -put) - 1;
     code.bits = (code.bits & below) | (code.bits >> 1 & ~below);
     --code.length;
-    put = (put & (put - 1)) >> 1;
   }
-  if (code.length > 32) fail(place, too_large);
-  return static_cast<std::uint32_t>(reversed(code.bits) >> (64 - code.length));
-}
-
-// Where at least two ones stand before a one.
-constexpr u64 third_ones(u64 ones) {
-  return ones & ones << 1 & ones << 2;
+  return reversed(code.bits) >> (64 - code.length);
 }
 
 constexpr int window_bits = 57;  // a load of 64, shifted by up to 7
+constexpr std::ptrdiff_t most_in_window = 15;
 
-struct Window {
-  u64 ones;            // from `place` on: a delimiter, then a number
-  u64 ends;            // the places, as bits, where its next numbers start
-  std::int64_t place;  // in the list
+// Where numbers start in a window, which begins with a delimiter.
+struct Starts {
+  u64 zeros, ones;  // the window
+  u64 behind_odd;   // the zeros behind an odd number of ones, three at least
+  u64 heads;        // starts of numbers but 1
+  u64 all;
 };
 
-inline std::uint32_t* put_numbers(const Window& window, std::uint32_t* to) {
-  unsigned start = 2;
-  for (u64 ends = window.ends; ends != 0; ends &= ends - 1) {
-    const auto end = static_cast<unsigned>(std::countr_zero(ends));
-    const unsigned length = end - start - 2;
-    const u64 bits = window.ones >> start & low_bits(length);
-    *to++ = length <= small_length ? number_of_small[u64{1} << length | bits]
-                                   : number_of_code({bits, length}, window.place + start);
-    start = end;
-  }
-  return to;
+inline Starts starts_in(u64 zeros) {
+  const u64 ones = ~zeros;
+  const u64 third = ones & ones << 1 & ones << 2;
+  const u64 behind = zeros & third << 1;
+  const u64 behind_odd = behind & every_other(ones);
+  const u64 heads = behind_odd >> 1 | (behind ^ behind_odd) >> 2;
+  // A number 1 starts four places before another number, where ones reach from its delimiter to that number.
+  u64 linked = third & third >> 3 & third >> 4;
+  u64 all = heads | (heads >> 4 & linked);
+  linked &= linked >> 4;
+  all |= all >> 8 & linked;
+  linked &= linked >> 8;
+  all |= all >> 16 & linked;
+  linked &= linked >> 16;
+  all |= all >> 32 & linked;
+  return {zeros, ones, behind_odd, heads, all};
 }
+
+// A window's numbers, of all codes but the last that begins in it: for each a look into the table.
+struct NumbersByTable {
+  u64 ones = 0;
+  u64 ends = 0;  // where the number behind starts
+  std::int64_t place = 0;
+  static NumbersByTable of(const Starts& starts, std::int64_t place) {
+    return {starts.ones, starts.all & ~u64{4}, place};
+  }
+  // Writes them behind `to` and moves it on; false where one is above 2^32 - 1.
+  bool write(std::uint32_t*& to) const {
+    unsigned start = 2;
+    u64 long_numbers = 0;
+    for (u64 left = ends; left != 0; left &= left - 1) {
+      const auto end = static_cast<unsigned>(std::countr_zero(left));
+      const unsigned length = end - start - 2;
+      const u64 bits = ones >> start & low_bits(length);
+      if (length <= small_length) [[likely]] {
+        *to++ = number_of_small[u64{1} << length | bits];
+      } else {
+        const u64 number = number_of_code({bits, length});
+        long_numbers |= number;
+        *to++ = static_cast<std::uint32_t>(number);
+      }
+      start = end;
+    }
+    return long_numbers >> 32 == 0;
+  }
+};
+
+#if defined(__x86_64__)
+// The bits of `from` at the ones of `mask`, moved together. Written as the instruction, for the intrinsic function would
+// have to stand in functions compiled for BMI2 alone.
+inline u64 extracted(u64 from, u64 mask) {
+  u64 bits;
+  __asm__("pext %2, %1, %0" : "=r"(bits) : "r"(from), "r"(mask));
+  return bits;
+}
+
+// The same by extraction of the numbers' own bits from the whole window. What is left are shifts, without a branch that
+// depends on a number.
+struct NumbersByExtraction {
+  u64 digits = 0;  // from the highest bit on
+  u64 ends = 0;    // of each number in `digits`, counted from there
+  u64 count = 0;
+  std::int64_t place = 0;
+  static NumbersByExtraction of(const Starts& starts, std::int64_t place) {
+    const u64 second = starts.ones & starts.ones << 1;
+    const u64 put_by_rule_2 = starts.zeros & second << 1 & ~starts.behind_odd;
+    const u64 put_by_rule_3 = starts.all >> 3 & second;
+    const u64 delimiters = starts.all >> 1 | starts.all >> 2;
+    const u64 last = std::bit_floor(starts.heads);
+    const u64 kept = ~(put_by_rule_2 | put_by_rule_3 | delimiters) & (2 * last - 1);
+    const u64 ends = starts.all & ~u64{4};
+    u64 nibbles = ends | ends >> 1;  // starts are four places apart: at most one in a nibble
+    nibbles = (nibbles | nibbles >> 2) & 0x1111111111111111;
+    return {reversed(extracted(starts.ones & (last - 1), kept)), extracted(ends, kept),
+            nibbles * 0x1111111111111111 >> 60, place};
+  }
+  bool write(std::uint32_t*& to) const {
+    u64 left = ends, all = 0;
+    unsigned start = 0;
+    const auto write_one = [&](std::ptrdiff_t i) {  // behind the last one: 0
+      const auto end = static_cast<unsigned>(std::countr_zero(left | u64{1} << 63));
+      left &= left - 1;
+      const u64 number = digits << start >> ((start - end) % 64);
+      all |= number;
+      to[i] = static_cast<std::uint32_t>(number);
+      start = end;
+    };
+    constexpr std::ptrdiff_t common = 12;
+    for (std::ptrdiff_t i = 0; i < common; ++i) write_one(i);
+    if (left != 0) [[unlikely]] {
+      for (std::ptrdiff_t i = common; i < most_in_window; ++i) write_one(i);
+    }
+    to += count;
+    return all >> 32 == 0;
+  }
+};
+#endif
 
 }  // namespace
 
@@ -191,8 +273,19 @@ void put_delimited(std::vector<std::byte>& out, std::span<const std::uint32_t> n
   if (last == 1) out.pop_back();
 }
 
-DelimitedReader::DelimitedReader(std::span<const std::byte> bytes)
-    : bytes_(bytes.data()), tail_begin_(0), next_(0), stop_(0) {
+bool DelimitedReader::has_fast_extraction() {
+#if defined(__x86_64__)
+  // Before Zen 3 AMD's processors take it bit by bit.
+  static const bool has =
+      __builtin_cpu_supports("bmi2") && !__builtin_cpu_is("amdfam15h") && !__builtin_cpu_is("amdfam17h");
+  return has;
+#else
+  return false;
+#endif
+}
+
+DelimitedReader::DelimitedReader(std::span<const std::byte> bytes, bool by_extraction)
+    : bytes_(bytes.data()), tail_begin_(0), next_(0), stop_(0), by_extraction_(by_extraction) {
   if (bytes.empty()) return;
   const auto last = std::to_integer<unsigned>(bytes.back());
   if (last == 0)
@@ -218,13 +311,14 @@ inline u64 DelimitedReader::zeros_from(std::int64_t place) const {
 
 // The number behind the delimiter at next_, whatever follows it.
 DelimitedReader::Found DelimitedReader::read_alone() const {
+  constexpr const char* too_large = "a number above 2^32 - 1";
   const std::int64_t begin = next_ + 2;
   const u64 zeros = zeros_from(next_), ones = ~zeros;
   const int head = std::countr_zero(zeros) - 2;
   if (head == 0) fail(begin, "a number that begins with 0");
   if (head >= 5) return {1, next_ + 4};
   if (head >= 3 || begin > stop_) fail(begin, "ones of no count that numbers make");
-  const u64 third = third_ones(ones) & ~low_bits(4);
+  const u64 third = ones & ones << 1 & ones << 2 & ~low_bits(4);  // of the ones behind this number
   if (third == 0) fail(begin, too_large);
   const std::int64_t run = next_ + std::countr_zero(third) - 2;
   std::int64_t run_end = run;
@@ -234,49 +328,52 @@ DelimitedReader::Found DelimitedReader::read_alone() const {
   const std::int64_t end = run + ((run_end - run - 3) & 2);
   const auto length = static_cast<unsigned>(end - begin);
   if (length > longest_delimited(32)) fail(begin, too_large);
-  return {number_of_code({ones >> 2 & low_bits(length), length}, begin), end};
+  const u64 number = number_of_code({ones >> 2 & low_bits(length), length});
+  if (number >> 32 != 0) fail(begin, too_large);
+  return {static_cast<std::uint32_t>(number), end};
+}
+
+template <typename Numbers>
+std::size_t DelimitedReader::read_by(std::span<std::uint32_t> out) {
+  std::uint32_t* to = out.data();
+  std::uint32_t* const limit = to + out.size() - 2 * (most_in_window + 1);
+  // A window's numbers are written when the next window's are found: the steps of either wait for one another, so that the
+  // processor has something to do meanwhile.
+  Numbers found;
+  const auto write = [&] {
+    if (!found.write(to)) [[unlikely]] {
+      next_ = found.place;
+      for (;;) next_ = read_alone().next;  // throws, with the number's place
+    }
+  };
+  while (to <= limit && next_ < stop_) {
+    const Starts starts = starts_in(zeros_from(next_));
+    write();
+    if ((starts.all & 4) != 0 && starts.all != 4) [[likely]] {
+      found = Numbers::of(starts, next_);
+      next_ += 61 - std::countl_zero(starts.heads);
+      continue;
+    }
+    found = {};
+    if (starts.zeros << 13 == 0) {  // 51 ones
+      to = std::fill_n(to, 12, 1u);
+      next_ += 48;
+    } else {
+      const Found alone = read_alone();
+      *to++ = alone.number;
+      next_ = alone.next;
+    }
+  }
+  if (found.ends != 0) write();
+  return static_cast<std::size_t>(to - out.data());
 }
 
 std::size_t DelimitedReader::read(std::span<std::uint32_t> out) {
   assert(out.size() >= least_room);
-  constexpr std::ptrdiff_t most_in_window = 16;
-  std::uint32_t* to = out.data();
-  std::uint32_t* const limit = to + out.size() - 2 * most_in_window;
-  // A window's numbers are written when the next window's are found: how many there are is hard to foresee for the
-  // processor, and thus it has something to do meanwhile.
-  Window found{};
-  while (to <= limit && next_ < stop_) {
-    const u64 zeros = zeros_from(next_), ones = ~zeros;
-    const u64 third = third_ones(ones);
-    const u64 behind = zeros & third << 1;  // of three or more ones
-    const u64 behind_odd = behind & every_other(ones);
-    const u64 heads = behind_odd >> 1 | (behind ^ behind_odd) >> 2;
-    u64 linked = third & third >> 3 & third >> 4;  // a number 1 may start here if a number starts 4 places on
-    u64 starts = heads | (heads >> 4 & linked);
-    linked &= linked >> 4;
-    starts |= starts >> 8 & linked;
-    linked &= linked >> 8;
-    starts |= starts >> 16 & linked;
-    linked &= linked >> 16;
-    starts |= starts >> 32 & linked;
-    to = put_numbers(found, to);
-    found = {ones, starts & ~u64{4}, next_};
-    if (found.ends != 0 && found.ends != starts) [[likely]] {
-      next_ += 61 - std::countl_zero(heads);
-    } else {
-      found.ends = 0;
-      if (zeros << 13 == 0) {
-        to = std::fill_n(to, 12, 1u);
-        next_ += 48;
-      } else {
-        const Found alone = read_alone();
-        *to++ = alone.number;
-        next_ = alone.next;
-      }
-    }
-  }
-  to = put_numbers(found, to);
-  return static_cast<std::size_t>(to - out.data());
+#if defined(__x86_64__)
+  if (by_extraction_) return read_by<NumbersByExtraction>(out);
+#endif
+  return read_by<NumbersByTable>(out);
 }
 
 }  // namespace vismat

@@ -18,18 +18,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const FormatError&) {
     plain.reset();
   }
-  try {
-    DelimitedReader reader(bytes);
-    std::vector<std::uint32_t> numbers;
-    std::array<std::uint32_t, DelimitedReader::least_room> piece;
-    while (const std::size_t count = reader.read(piece))
-      numbers.insert(numbers.end(), piece.begin(), piece.begin() + count);
-    if (!plain || !std::ranges::equal(numbers, *plain)) std::abort();
-    std::vector<std::byte> again;
-    put_delimited(again, numbers);
-    if (!std::ranges::equal(again, bytes)) std::abort();
-  } catch (const FormatError&) {
-    if (plain) std::abort();
+  for (const bool by_extraction : {false, true}) {
+    if (by_extraction && !DelimitedReader::has_fast_extraction()) continue;
+    try {
+      DelimitedReader reader(bytes, by_extraction);
+      std::vector<std::uint32_t> numbers;
+      std::array<std::uint32_t, DelimitedReader::least_room> piece;
+      while (const std::size_t count = reader.read(piece))
+        numbers.insert(numbers.end(), piece.begin(), piece.begin() + count);
+      if (!plain || !std::ranges::equal(numbers, *plain)) std::abort();
+      std::vector<std::byte> again;
+      put_delimited(again, numbers);
+      if (!std::ranges::equal(again, bytes)) std::abort();
+    } catch (const FormatError&) {
+      if (plain) std::abort();
+    }
   }
   return 0;
 }
