@@ -310,7 +310,7 @@ inline u64 DelimitedReader::zeros_from(std::int64_t place) const {
 }
 
 // The number behind the delimiter at next_, whatever follows it.
-DelimitedReader::Found DelimitedReader::read_alone() const {
+DelimitedReader::Alone DelimitedReader::read_alone() const {
   constexpr const char* too_large = "a number above 2^32 - 1";
   const std::int64_t begin = next_ + 2;
   const u64 zeros = zeros_from(next_), ones = ~zeros;
@@ -341,7 +341,7 @@ std::size_t DelimitedReader::read_by(std::span<std::uint32_t> out) {
   // processor has something to do meanwhile.
   Numbers found;
   const auto write = [&] {
-    if (!found.write(to)) [[unlikely]] {
+    if (found.ends != 0 && !found.write(to)) [[unlikely]] {
       next_ = found.place;
       for (;;) next_ = read_alone().next;  // throws, with the number's place
     }
@@ -359,12 +359,12 @@ std::size_t DelimitedReader::read_by(std::span<std::uint32_t> out) {
       to = std::fill_n(to, 12, 1u);
       next_ += 48;
     } else {
-      const Found alone = read_alone();
+      const Alone alone = read_alone();
       *to++ = alone.number;
       next_ = alone.next;
     }
   }
-  if (found.ends != 0) write();
+  write();
   return static_cast<std::size_t>(to - out.data());
 }
 

@@ -26,8 +26,10 @@ void put_delimited(std::vector<std::byte>& out, std::span<const std::uint32_t> n
 /// Decodes the numbers of one list piece by piece, in linear time and without memory of its own. Borrows the bytes.
 class DelimitedReader {
  public:
-  /// FormatError where no bit ends the list: the last byte is zero. `by_extraction`, for tests: with BMI2's pext, or without.
+  /// FormatError where no bit ends the list: the last byte is zero. `by_extraction`: with the processor's instruction that
+  /// extracts bits (BMI2's pext) or without; for tests, which want both. The numbers are the same.
   explicit DelimitedReader(std::span<const std::byte> bytes, bool by_extraction = has_fast_extraction());
+  /// Whether this processor has it and does not take it bit by bit.
   static bool has_fast_extraction();
   /// Writes the next numbers to the front of `out`, which must hold `least_room`, and gives their count: as many as surely
   /// fit, 0 only at the end. What lies behind them in `out` may be written over. Throws FormatError with the bit's place at
@@ -36,20 +38,19 @@ class DelimitedReader {
   static constexpr std::size_t least_room = 64;
 
  private:
-  struct Found {
+  struct Alone {
     std::uint32_t number;
     std::int64_t next;
   };
   std::uint64_t zeros_from(std::int64_t place) const;
-  Found read_alone() const;
+  Alone read_alone() const;
   template <typename Numbers>
   std::size_t read_by(std::span<std::uint32_t> out);
 
   const std::byte* bytes_;
   std::int64_t tail_begin_;  // the byte from which on tail_ is read in place of bytes_
-  std::int64_t
-      next_;  // the place of the delimiter before the next number; of the first, two bits before the list
-  std::int64_t stop_;  // the place of the bit that ends the list
+  std::int64_t next_;        // the delimiter before the next number; before the first, -2
+  std::int64_t stop_;        // the bit that ends the list
   bool by_extraction_;
   std::array<std::byte, 24> tail_{};
 };
