@@ -1,10 +1,21 @@
 #include "codecs/codec.h"
 
 #include <array>
+#include <span>
+#include <vector>
 
+#include "codecs/ans.h"
 #include "codecs/bitmap.h"
+#include "codecs/delimiter.h"
+#include "codecs/elias_fano_rows.h"
+#include "codecs/interpolative.h"
+#include "codecs/lzw.h"
+#include "codecs/pair_huffman.h"
+#include "codecs/pairs.h"
 #include "codecs/quake_rle.h"
+#include "codecs/rice.h"
 #include "codecs/tree_coding.h"
+#include "codecs/universal_codes.h"
 
 namespace vismat {
 namespace {
@@ -36,9 +47,30 @@ constexpr Codec over_tree(std::string_view contents, bool wants_row_order) {
   return codec;
 }
 
+struct DelimiterCode {
+  void put(std::vector<std::byte>& out, std::span<const std::uint32_t> numbers) const {
+    put_delimited(out, numbers);
+  }
+  struct Reader : DelimitedReader {
+    Reader(const DelimiterCode&, std::span<const std::byte> bytes) : DelimitedReader(bytes) {}
+  };
+};
+
 constexpr std::array table = {
     row_codec<BitmapRows>("bitmap", "rows of bits, padded to bytes"),
     row_codec<QuakeRows>("quake-rle", "bitmap, zero bytes run-length coded"),
+    row_codec<PairRows<DelimiterCode>>("delimiter", "gaps and runs, a delimiter between numbers"),
+    row_codec<PairRows<GammaCode>>("pair-gamma", "gaps and runs, Elias' gamma code"),
+    row_codec<PairRows<DeltaCode>>("pair-delta", "gaps and runs, Elias' delta code"),
+    row_codec<PairRows<RiceCode>>("pair-rice", "gaps and runs, Rice's code, its parameters in each row"),
+    row_codec<PairRows<InterpolativeCode>>("pair-interpolative",
+                                           "where runs begin and end, interpolative code"),
+    row_codec<PairRows<OwnHuffmanCode>>("pair-huffman", "gaps and runs, a Huffman code in each row"),
+    row_codec<PairRows<SharedHuffmanCode>>("pair-huffman-shared",
+                                           "gaps and runs, a Huffman code each for all rows"),
+    row_codec<PairRows<LzwCode>>("pair-lzw", "gaps and runs as bytes, LZW"),
+    row_codec<PairRows<AnsCode>>("pair-ans", "gaps and runs, tANS, a table each for all rows"),
+    row_codec<EliasFanoRows>("elias-fano", "ids, Elias-Fano"),
     over_tree<"zach0">("children's bits in the parent's cells", false),
     over_tree<"zach1">("intersection of all children, bits outside it", false),
     over_tree<"zach2">("intersection of a chosen subset, subset masks, bits outside it", false),

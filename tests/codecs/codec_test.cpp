@@ -59,6 +59,8 @@ TEST_P(EveryCodec, RefusesEveryPrefixAndOneMoreByte) {
     return GetParam().decode(payload, index, c.matrix.shape(), c.tree_or_null());
   };
   for (std::size_t n = 0; n < e.payload.size(); ++n) {
+    // Where all rows escaped there is no index, and no payload at all may stand for as many empty rows.
+    if (n == 0 && e.index.empty() && GetParam().open_rows != nullptr) continue;
     EXPECT_THROW(decode(std::span(e.payload).first(n), e.index), FormatError)
         << "payload of " << n << " bytes";
   }
@@ -189,11 +191,26 @@ TEST(GoldenBytes, OfOurOwnFormats) {
   const auto file = write_container(container);
   found[".vmat"] = {file.size(), fnv1a(file)};
   const std::map<std::string, std::pair<std::size_t, std::uint64_t>> golden = {
-      {".vmat", {234, 18026378611144259973u}},       {"bitmap", {72, 86685243641351298u}},
-      {"quake-rle", {85, 6716608406474686327u}},     {"zach0", {35, 14570556128884471082u}},
-      {"zach1", {43, 11013996029347175951u}},        {"zach2", {35, 16815643607434460705u}},
-      {"zach3-huffman", {65, 3395907850818163285u}}, {"zach3-range", {107, 5153034281124450344u}},
-      {"zach4-huffman", {46, 8980485470763333015u}}, {"zach4-range", {78, 6340890600240907199u}},
+      {".vmat", {234, 18026378611144259973u}},
+      {"bitmap", {72, 86685243641351298u}},
+      {"delimiter", {60, 15428225424264872396u}},
+      {"elias-fano", {66, 10241265575966090890u}},
+      {"pair-ans", {90, 10896553730154257044u}},
+      {"pair-delta", {52, 16303718654085581589u}},
+      {"pair-gamma", {48, 16518214658524934942u}},
+      {"pair-huffman", {66, 10241265575966090890u}},
+      {"pair-huffman-shared", {69, 3430548179490130901u}},
+      {"pair-interpolative", {66, 10241265575966090890u}},
+      {"pair-lzw", {66, 10241265575966090890u}},
+      {"pair-rice", {66, 10241265575966090890u}},
+      {"quake-rle", {85, 6716608406474686327u}},
+      {"zach0", {35, 14570556128884471082u}},
+      {"zach1", {43, 11013996029347175951u}},
+      {"zach2", {35, 16815643607434460705u}},
+      {"zach3-huffman", {65, 3395907850818163285u}},
+      {"zach3-range", {107, 5153034281124450344u}},
+      {"zach4-huffman", {46, 8980485470763333015u}},
+      {"zach4-range", {78, 6340890600240907199u}},
   };
   EXPECT_EQ(found, golden);
 }
