@@ -155,31 +155,43 @@ Deltas deltas_of(const VisibilityMatrix& cells, const VisibilityMatrix& neighbou
 VisibilityMatrix cells_of(const Deltas& deltas) {
   check_lists(deltas);
   const BoundaryMap map(deltas.boundaries);
-  std::vector<std::vector<std::uint32_t>> rows(map.cells());
-  std::vector<std::uint32_t> result;
-  const auto crossed = [&](const Crossing& crossing, std::uint32_t from) {
-    static const std::vector<std::uint32_t> nothing;
-    const auto& before = from == Boundary::outside ? nothing : rows[from];
-    const auto appears = deltas.lists.row(crossing.appears()),
-               vanishes = deltas.lists.row(crossing.vanishes());
-    result.resize(before.size() + appears.size());
-    try {
-      result.resize(cross(before, appears, vanishes, result));
-    } catch (const std::invalid_argument& error) {
-      refuse(crossing.boundary, deltas.boundaries[crossing.boundary], error.what());
-    }
-    return std::span(result);
-  };
-  for (const auto [from, to] : ways_in(map)) {
-    const auto row = crossed(*map.crossing(from, to), from);
-    rows[to].assign(row.begin(), row.end());
+  const std::vector<Boundary> ways = ways_in(map);
+  std::vector<std::uint64_t> offsets(std::size_t{map.cells()} + 1,
+                                     0);  // at first, each row's size behind its place
+  for (const auto [from, to] : ways) {
+    const Crossing crossing = *map.crossing(from, to);
+    const std::uint64_t most = (from == Boundary::outside ? 0 : offsets[std::size_t{from} + 1]) +
+                               deltas.lists.row(crossing.appears()).size();
+    const std::uint64_t vanishes = deltas.lists.row(crossing.vanishes()).size();
+    if (vanishes > most) refuse(crossing.boundary, {from, to}, "more vanishes than was visible");
+    offsets[std::size_t{to} + 1] = most - vanishes;
   }
-  for (std::uint32_t b = 0; b < deltas.boundaries.size(); ++b) {
+  for (std::size_t r = 1; r < offsets.size(); ++r) offsets[r] += offsets[r - 1];
+
+  std::vector<std::uint32_t> ids(offsets.back()), scratch;
+  const auto row = [&](std::uint32_t cell) {
+    if (cell == Boundary::outside) return std::span<std::uint32_t>{};
+    return std::span(ids).subspan(offsets[cell], offsets[std::size_t{cell} + 1] - offsets[cell]);
+  };
+  const auto crossed = [&](std::uint32_t from, std::uint32_t to) {
+    const Crossing crossing = *map.crossing(from, to);
+    const auto appears = deltas.lists.row(crossing.appears());
+    scratch.resize(row(from).size() + appears.size());
+    try {
+      scratch.resize(cross(row(from), appears, deltas.lists.row(crossing.vanishes()), scratch));
+    } catch (const std::invalid_argument& error) {
+      refuse(crossing.boundary, {from, to}, error.what());
+    }
+    return std::span<const std::uint32_t>(scratch);
+  };
+  for (const auto [from, to] : ways) std::ranges::copy(crossed(from, to), row(to).begin());
+  for (std::size_t b = 0; b < deltas.boundaries.size(); ++b) {
     const auto [from, to] = deltas.boundaries[b];
-    if (!std::ranges::equal(crossed({b, false}, from), rows[to]))
+    if (!std::ranges::equal(crossed(from, to), row(to)))
       refuse(b, deltas.boundaries[b], "another way leads to other ids visible there");
   }
-  return VisibilityMatrix::from_rows(rows, deltas.lists.shape().columns);
+  return VisibilityMatrix::from_csr({map.cells(), deltas.lists.shape().columns}, std::move(offsets),
+                                    std::move(ids));
 }
 
 VisibilityMatrix neighbours_of(std::span<const Boundary> boundaries) {

@@ -32,7 +32,7 @@ Deltas deltas_of(const VisibilityMatrix& cells, const VisibilityMatrix& neighbou
 
 /// The inverse. Throws std::invalid_argument, naming the boundary, where the boundaries are not as Deltas says, are
 /// not half as many as the lists, or where two ways into a cell differ in what is visible from it. Time as deltas_of;
-/// memory: the cells, which may be any times larger than the lists.
+/// memory: the cells, which may be any times larger than the lists; std::bad_alloc before the first where there is none.
 VisibilityMatrix cells_of(const Deltas& deltas);
 
 /// Which cells the boundaries join: cells x cells, symmetric, so that deltas_of(cells_of(d), neighbours_of(d.boundaries)) == d.

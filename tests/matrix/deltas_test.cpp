@@ -132,6 +132,7 @@ TEST(Deltas, RefuseListsThatContradictOneAnother) {
   };
   EXPECT_EQ(changed(2, {1, 2}), "boundary 1, cell 0 to cell 1: column 1 appears, but was visible before");
   EXPECT_EQ(changed(3, {0, 5}), "boundary 1, cell 0 to cell 1: column 5 vanishes, but was not visible");
+  EXPECT_EQ(changed(3, {0, 1, 3, 4, 5}), "boundary 1, cell 0 to cell 1: more vanishes than was visible");
   EXPECT_EQ(changed(2, {2, 3}), "boundary 3, cell 1 to cell 2: another way leads to other ids visible there");
   EXPECT_EQ(refusal([&] {
               cells_of({good.boundaries, VisibilityMatrix({6, 6})});
