@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   add_encode(app);
   add_decode(app);
   add_row(app);
+  add_compare(app);
   add_node(app);
   add_convert(app);
   add_info(app);

@@ -13,6 +13,7 @@ void add_order(CLI::App& app);
 void add_deltas(CLI::App& app);
 void add_encode(CLI::App& app);
 void add_decode(CLI::App& app);
+void add_compare(CLI::App& app);
 void add_row(CLI::App& app);
 void add_node(CLI::App& app);
 void add_convert(CLI::App& app);

@@ -1,0 +1,138 @@
+// Rows that are worst for a code: bytes of a row and time to decode it, for each codec that gives rows alone.
+//
+// Each kind of row stands 256 times in a matrix of 8192 columns (1024 bytes of bitmap a row). What a row cannot take more than is
+// proven where each code is written; codecs with the escape never take more than the bitmap.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/measure.h"
+#include "codecs/baseline_codecs.h"
+#include "codecs/bitmap.h"
+#include "codecs/container.h"
+#include "codecs/row_reader.h"
+#include "matrix/atomic_file.h"
+#include "matrix/random.h"
+
+namespace {
+
+using namespace vismat;
+using bench::wall_seconds;
+
+constexpr std::uint32_t rows = 256, columns = 8192;
+
+struct Kind {
+  const char* name;
+  const char* why;
+  std::function<std::vector<std::uint32_t>(std::uint32_t row)> make;
+};
+
+std::vector<std::uint32_t> where(const std::function<bool(std::uint32_t)>& visible) {
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t c = 0; c < columns; ++c) {
+    if (visible(c)) ids.push_back(c);
+  }
+  return ids;
+}
+
+// Runs and gaps from this list, over and over.
+std::vector<std::uint32_t> lengths(const std::vector<std::uint32_t>& pattern) {
+  std::vector<std::uint32_t> ids;
+  std::uint32_t c = 0;
+  for (std::size_t i = 0; c < columns; ++i) {
+    const std::uint32_t length = pattern[i % pattern.size()];
+    for (std::uint32_t j = 0; j < length && c < columns; ++j, ++c) {
+      if (i % 2 == 1) ids.push_back(c);
+    }
+  }
+  return ids;
+}
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> all = {
+      {"empty", "what a row costs at least", [](std::uint32_t) { return std::vector<std::uint32_t>{}; }},
+      {"full", "one run", [](std::uint32_t) { return where([](std::uint32_t) { return true; }); }},
+      {"one id at the end", "one long gap",
+       [](std::uint32_t) { return std::vector<std::uint32_t>{columns - 1}; }},
+      {"alternating",
+       "nothing but the number 1: one run of ones in the delimiter code, seen through to its end",
+       [](std::uint32_t) { return where([](std::uint32_t c) { return c % 2 == 1; }); }},
+      {"lengths 3", "11 in every number: a stuffed bit each", [](std::uint32_t) { return lengths({3}); }},
+      {"lengths 1 and 21", "10101: runs of ones end late, then 4 k + 1 of them",
+       [](std::uint32_t) {
+         return lengths({1, 21});
+       }},
+      {"lengths 255", "all ones in binary: most stuffed bits", [](std::uint32_t) { return lengths({255}); }},
+      {"powers of two", "a new length each time",
+       [](std::uint32_t) {
+         return lengths({1, 2, 4, 8, 16, 32, 64, 128, 256, 512});
+       }},
+      {"random half", "no structure, dense",
+       [](std::uint32_t row) {
+         Random random(row);
+         return where([&](std::uint32_t) { return random.below(2) == 1; });
+       }},
+      {"random 1 %", "no structure, sparse",
+       [](std::uint32_t row) {
+         Random random(row);
+         return where([&](std::uint32_t) { return random.below(100) == 0; });
+       }},
+  };
+  return all;
+}
+
+void measure(std::string& csv, double seconds) {
+  std::printf("%-20s %-20s %12s %11s %11s %12s\n", "row", "codec", "bytes a row", "of bitmap", "us a row",
+              "M ids/s");
+  for (const Kind& kind : kinds()) {
+    std::vector<std::vector<std::uint32_t>> lists;
+    for (std::uint32_t r = 0; r < rows; ++r) lists.push_back(kind.make(r));
+    const auto matrix = VisibilityMatrix::from_rows(lists, columns);
+    for (const Codec& codec : all_codecs()) {
+      if (codec.open_rows == nullptr) continue;
+      const Container container = compress(matrix, codec);
+      if (decompress(container, codec) != matrix)
+        throw std::runtime_error(std::string(codec.name) + " does not restore " + kind.name);
+      const auto file = write_container(container);
+      const RowReader reader(file, std::span(&codec, 1));
+      RowBuffer<std::uint32_t> buffer;
+      std::vector<double> times;
+      for (const double begin = wall_seconds(); times.size() < 3 || wall_seconds() - begin < seconds;) {
+        const double start = wall_seconds();
+        for (std::uint32_t r = 0; r < rows; ++r) reader.ids(r, buffer);
+        times.push_back((wall_seconds() - start) / rows);
+      }
+      std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
+      const double us = 1e6 * times[times.size() / 2];
+      const double bytes = static_cast<double>(container.encoded.payload.size()) / rows;
+      const double share = bytes / static_cast<double>(row_bytes_of(columns)),
+                   rate = static_cast<double>(matrix.ones()) / rows / us;
+      std::printf("%-20s %-20s %12.1f %11.3f %11.3f %12.1f\n", kind.name, std::string(codec.name).c_str(),
+                  bytes, share, us, rate);
+      csv += bench::csv_line(bench::quoted(kind.name), bench::quoted(kind.why), matrix.ones() / rows,
+                             codec.name, bytes, share, us);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Rows that are worst for a code");
+  std::string out;
+  double seconds = .02;
+  app.add_option("--csv", out, "written beside the table");
+  app.add_option("--seconds", seconds, "for each time");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    std::string csv = "row,why,ones,codec,bytes,of_bitmap,decode_us\n";
+    measure(csv, seconds);
+    if (!out.empty()) write_file(out, std::as_bytes(std::span(csv)));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "row_failures: %s\n", error.what());
+    return 1;
+  }
+}

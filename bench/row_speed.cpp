@@ -1,0 +1,221 @@
+// Single rows out of a `.vmat` file, for Google Benchmark:
+//
+//   row_speed [MATRIX.bsp.h5] [--benchmark_filter=delimiter ...]
+//
+// Each codec that gives rows alone, in each form, warm and cold. Rows come in shuffled order into one buffer, and every
+// row's content is checked within the timed loop (its sum against the row's). Warm: one file, read over and over. Cold:
+// copies of it, together several times the last-level cache, so that a row comes from memory, its index too. The times are
+// the median and the spread of 7 repetitions. open/...: a file of 100 MB in
+// the page cache is mapped, and asked for a row's place in its index.
+//
+// Without a matrix: 4096 differences over 100,000 columns, about as paper 000 has them (.5 % dense, 3 ones a run, 750 bytes).
+#include <benchmark/benchmark.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "codecs/baseline_codecs.h"
+#include "codecs/bitmap.h"
+#include "codecs/container.h"
+#include "codecs/row_codec.h"
+#include "codecs/row_reader.h"
+#include "matrix/atomic_file.h"
+#include "matrix/dataset.h"
+#include "matrix/random.h"
+
+namespace {
+
+using namespace vismat;
+
+VisibilityMatrix differences_like_the_papers() {
+  Random random(1);
+  std::vector<std::vector<std::uint32_t>> rows(4096);
+  for (auto& row : rows) {
+    // Gaps and lengths are geometric with a tail, as after a good order: most gaps within a region are short.
+    for (std::uint64_t c = random.below(2000); c < 100000;) {
+      std::uint32_t count = 1;
+      while (random.below(3) != 0) ++count;
+      for (std::uint32_t i = 0; i < count && c < 100000; ++i) row.push_back(static_cast<std::uint32_t>(c++));
+      c += random.below(8) == 0 ? 1 + random.below(8000) : 1 + random.below(60);
+    }
+  }
+  return VisibilityMatrix::from_rows(rows, 100000);
+}
+
+std::uint64_t sum_of(std::span<const std::uint32_t> ids) {
+  return std::accumulate(ids.begin(), ids.end(), std::uint64_t{0});
+}
+
+// The three forms of a row, each with its buffer, as the sum of the row's ids.
+struct Ids {
+  static constexpr const char* name = "ids";
+  RowBuffer<std::uint32_t> buffer;
+  std::uint64_t read(const RowReader& reader, std::uint32_t row) { return sum_of(reader.ids(row, buffer)); }
+};
+struct Runs {
+  static constexpr const char* name = "runs";
+  RowBuffer<Run> buffer;
+  std::uint64_t read(const RowReader& reader, std::uint32_t row) {
+    std::uint64_t sum = 0;
+    for (const Run run : reader.runs(row, buffer))
+      sum += std::uint64_t{run.first} * run.count + std::uint64_t{run.count} * (run.count - 1) / 2;
+    return sum;
+  }
+};
+struct Bits {
+  static constexpr const char* name = "bits";
+  std::vector<std::uint64_t> words;
+  std::uint64_t read(const RowReader& reader, std::uint32_t row) {
+    words.resize((reader.shape().columns + 63) / 64);
+    reader.bits(row, words);
+    std::uint64_t sum = 0;  // of the ids in each word, but for what all bits of a word share
+    for (std::size_t w = 0; w < words.size(); ++w)
+      sum += std::uint64_t{w} * static_cast<std::uint64_t>(std::popcount(words[w]));
+    return sum;
+  }
+  static std::uint64_t expected(std::span<const std::uint32_t> ids) {
+    std::uint64_t sum = 0;
+    for (const std::uint32_t id : ids) sum += id / 64;
+    return sum;
+  }
+};
+
+template <typename Form>
+std::vector<std::uint64_t> expected_sums(const VisibilityMatrix& matrix) {
+  std::vector<std::uint64_t> sums;
+  for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
+    if constexpr (requires { Form::expected(matrix.row(r)); })
+      sums.push_back(Form::expected(matrix.row(r)));
+    else
+      sums.push_back(sum_of(matrix.row(r)));
+  }
+  return sums;
+}
+
+std::size_t cache_bytes() {
+  const long bytes = sysconf(_SC_LEVEL3_CACHE_SIZE);
+  return bytes > 0 ? static_cast<std::size_t>(bytes) : std::size_t{32} << 20;
+}
+
+template <typename Form>
+void read_rows(benchmark::State& state, const std::vector<std::byte>& file, const Codec& codec,
+               const VisibilityMatrix& matrix, bool cold) {
+  const auto copies = cold ? std::min<std::size_t>(4096, 1 + 3 * cache_bytes() / file.size()) : 1;
+  const std::vector<std::vector<std::byte>> files(copies, file);
+  std::vector<RowReader> readers;
+  for (const auto& copy : files) readers.emplace_back(copy, std::span(&codec, 1));
+  const auto sums = expected_sums<Form>(matrix);
+  const std::uint32_t rows = matrix.shape().rows;
+  struct Visit {
+    std::uint32_t copy, row;
+  };
+  std::vector<Visit> visits;
+  for (std::uint32_t c = 0; c < copies; ++c) {
+    for (std::uint32_t r = 0; r < rows; ++r) visits.push_back({c, r});
+  }
+  Random random(2);
+  for (std::size_t i = visits.size(); i > 1; --i)
+    std::swap(visits[i - 1], visits[random.below(static_cast<std::uint32_t>(i))]);
+  Form form;
+  std::uint64_t ids = 0, bytes = 0;
+  std::size_t next = 0;
+  for (const Visit visit : visits) form.read(readers[visit.copy], visit.row);  // checks every block
+  for (auto _ : state) {
+    const Visit visit = visits[next];
+    next = next + 1 == visits.size() ? 0 : next + 1;
+    if (form.read(readers[visit.copy], visit.row) != sums[visit.row]) {
+      state.SkipWithError("wrong ids");
+      break;
+    }
+    ids += matrix.row(visit.row).size();
+    bytes += row_bytes_of(matrix.shape().columns);
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(ids));
+  state.SetBytesProcessed(static_cast<std::int64_t>(bytes));
+}
+
+// Rows of random bits, which every codec of ours with an escape stores as bitmaps; one row is empty, so that the file has an
+// index.
+Container large_container(const Codec& codec) {
+  const Shape shape{8001, 100000};
+  Container container;
+  container.shape = shape;
+  container.codec = codec.name;
+  std::vector<std::uint64_t> starts;
+  auto& payload = container.encoded.payload;
+  payload.resize((shape.rows - 1) * row_bytes_of(shape.columns));
+  Random random(3);
+  for (std::byte& byte : payload) {
+    byte = static_cast<std::byte>(random.below(256));
+    container.ones += static_cast<std::uint64_t>(std::popcount(std::to_integer<unsigned>(byte)));
+  }
+  for (std::uint32_t r = 0; r <= shape.rows; ++r)
+    starts.push_back((r - (r > 4000)) * row_bytes_of(shape.columns));
+  container.encoded.index = row_index_bytes(starts);
+  return container;
+}
+
+void open_file(benchmark::State& state, const Codec& codec) {
+  const auto path =
+      std::filesystem::temp_directory_path() / ("vismat-open-" + std::to_string(getpid()) + ".vmat");
+  write_file(path, write_container(large_container(codec)));
+  for (auto _ : state) {
+    const RowReader reader(path, std::span(&codec, 1));
+    if (reader.row_bytes(4000) != 0) state.SkipWithError("wrong row");
+  }
+  state.counters["file_bytes"] = static_cast<double>(std::filesystem::file_size(path));
+  std::filesystem::remove(path);
+}
+
+template <typename Form>
+void register_form(const Codec& codec, const std::vector<std::byte>& file, const VisibilityMatrix& matrix) {
+  for (const bool cold : {false, true}) {
+    const std::string name = std::string(codec.name) + "/" + Form::name + (cold ? "/cold" : "/warm");
+    benchmark::RegisterBenchmark(name.c_str(), [&codec, &file, &matrix, cold](benchmark::State& state) {
+      read_rows<Form>(state, file, codec, matrix, cold);
+    });
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<char*> arguments(argv, argv + argc);
+  std::string repetitions = "--benchmark_repetitions=7",
+              aggregates = "--benchmark_report_aggregates_only=true";
+  arguments.insert(arguments.begin() + 1, {repetitions.data(), aggregates.data()});
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (count > 2) {
+    std::fprintf(stderr, "usage: row_speed [MATRIX.bsp.h5] [--benchmark_...]\n");
+    return 1;
+  }
+  try {
+    const VisibilityMatrix matrix =
+        count == 2 ? read_dataset(arguments[1]).matrix : differences_like_the_papers();
+    std::vector<Codec> codecs = all_codecs();
+    std::erase_if(codecs, [](const Codec& codec) { return codec.open_rows == nullptr; });
+    std::vector<std::vector<std::byte>> files;
+    for (const Codec& codec : codecs) files.push_back(write_container(compress(matrix, codec)));
+    for (std::size_t i = 0; i < codecs.size(); ++i) {
+      register_form<Ids>(codecs[i], files[i], matrix);
+      register_form<Runs>(codecs[i], files[i], matrix);
+      register_form<Bits>(codecs[i], files[i], matrix);
+    }
+    benchmark::RegisterBenchmark("open/delimiter",
+                                 [](benchmark::State& state) { open_file(state, find_codec("delimiter")); });
+    benchmark::RunSpecifiedBenchmarks();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "row_speed: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,183 @@
+// Differences between neighbouring view cells, compressed as paper 000 does and otherwise: its Table 2.
+//
+// A difference is one row of a matrix, or two where the file has boundaries (what appears, what vanishes). Bytes are the
+// lists' own, models that they share included, and no index: what the paper counts. Each code is checked by a round trip,
+// times are the median, the least and the most of several passes over all differences in the order of the file.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "bench/measure.h"
+#include "codecs/baseline_codecs.h"
+#include "codecs/bitmap.h"
+#include "codecs/container.h"
+#include "codecs/row_reader.h"
+#include "layout/best_order.h"
+#include "layout/cost.h"
+#include "layout/random_order.h"
+#include "layout/sampled_tour.h"
+#include "matrix/atomic_file.h"
+#include "matrix/dataset.h"
+#include "matrix/generate.h"
+
+namespace {
+
+using namespace vismat;
+using bench::wall_seconds;
+
+struct Options {
+  std::vector<std::filesystem::path> files;
+  std::vector<double> scales;
+  std::vector<std::string> orders = {"random", "printed", "best"};
+  std::vector<std::string> codes = {"delimiter",  "pair-huffman", "pair-huffman-shared", "pair-lzw",
+                                    "pair-gamma", "pair-delta",   "pair-rice",           "pair-interpolative",
+                                    "pair-ans",   "streamvbyte",  "elias-fano",          "roaring"};
+  double seconds = .5;
+  std::string csv;
+};
+
+struct Subject {
+  std::string name;
+  VisibilityMatrix lists;
+  std::uint32_t lists_of_difference = 1;
+};
+
+struct Times {
+  double median = 0, least = 0, most = 0;  // seconds of a pass
+};
+
+template <typename Work>
+Times time_passes(double seconds, const Work& work) {
+  std::vector<double> times;
+  for (const double begin = wall_seconds(); times.size() < 3 || wall_seconds() - begin < seconds;) {
+    const double start = wall_seconds();
+    work();
+    times.push_back(wall_seconds() - start);
+    if (times.back() > 5 * seconds) break;
+  }
+  std::sort(times.begin(), times.end());
+  return {times[times.size() / 2], times.front(), times.back()};
+}
+
+// Whole rows, which lead into a cell from outside, are no differences.
+Subject read(const std::filesystem::path& file) {
+  const Dataset data = read_dataset(file);
+  if (data.boundaries.empty()) return {bench::name_of(file), data.matrix};
+  std::vector<std::uint64_t> offsets = {0};
+  std::vector<std::uint32_t> ids;
+  for (std::size_t b = 0; b < data.boundaries.size(); ++b) {
+    if (data.boundaries[b].from == Boundary::outside) continue;
+    for (const std::size_t list : {2 * b, 2 * b + 1}) {
+      const auto row = data.matrix.row(static_cast<std::uint32_t>(list));
+      ids.insert(ids.end(), row.begin(), row.end());
+      offsets.push_back(ids.size());
+    }
+  }
+  const auto lists = static_cast<std::uint32_t>(offsets.size() - 1);
+  return {
+      bench::name_of(file),
+      VisibilityMatrix::from_csr({lists, data.matrix.shape().columns}, std::move(offsets), std::move(ids)),
+      2};
+}
+
+Permutation order_of(const VisibilityMatrix& matrix, const std::string& order) {
+  const std::uint32_t columns = matrix.shape().columns;
+  if (order == "random") return random_order(columns, 1);
+  if (order == "best") return best_order(matrix);
+  // The paper's 700 of 11,200 samples for 400,000 columns, and as few of fewer.
+  const auto neighbours = static_cast<std::uint32_t>(std::max(8., std::round(700. * columns / 400000)));
+  return order_by_sampled_tour(matrix, {.neighbours = neighbours, .samples = 16 * neighbours});
+}
+
+void print(const std::string& code, double bitmask, double pairs, double bytes, double differences,
+           const Times* encode, const Times* decode) {
+  std::printf("  %-20s %14.0f %9.2fx", code.c_str(), bytes, bitmask / bytes);
+  if (encode == nullptr) {
+    std::printf("\n");
+  } else {
+    std::printf(" %9.2fx %9.1f %9.2f %9.2f  (%.2f to %.2f)\n", pairs / bytes, bytes / differences,
+                1e6 * encode->median / differences, 1e6 * decode->median / differences,
+                1e6 * decode->least / differences, 1e6 * decode->most / differences);
+  }
+  std::fflush(stdout);
+}
+
+void measure(const Subject& subject, const Options& options, std::string& csv) {
+  for (const std::string& order : options.orders) {
+    const VisibilityMatrix matrix = permute(subject.lists, Permutation::identity(subject.lists.shape().rows),
+                                            order_of(subject.lists, order));
+    const Shape shape = matrix.shape();
+    const double differences = static_cast<double>(shape.rows) / subject.lists_of_difference;
+    const std::uint64_t runs = count_runs(matrix), bitmask = bitmap_size(shape), ids = 4 * matrix.ones(),
+                        pairs = 8 * runs;
+    std::printf(
+        "\n%s: %.0f differences in %u lists over %u columns, density %.3f %%; order %s: %.2f ones a run\n",
+        subject.name.c_str(), differences, shape.rows, shape.columns, 100 * matrix.density(), order.c_str(),
+        static_cast<double>(matrix.ones()) / static_cast<double>(std::max<std::uint64_t>(1, runs)));
+    std::printf("  %-20s %14s %10s %10s %9s %9s %9s  %s\n", "", "bytes", "bit masks", "pairs", "B a diff",
+                "encode us", "decode us", "(least to most)");
+    const auto keep = [&](const std::string& code, std::uint64_t bytes, const Times* encode,
+                          const Times* decode) {
+      print(code, static_cast<double>(bitmask), static_cast<double>(pairs), static_cast<double>(bytes),
+            differences, encode, decode);
+      const auto us = [&](const Times* t, double Times::*which) {
+        return t == nullptr ? 0 : 1e6 * t->*which / differences;
+      };
+      csv += bench::csv_line(subject.name, shape.rows, shape.columns, matrix.ones(), differences, order, runs,
+                             bitmask, code, bytes, us(encode, &Times::median), us(decode, &Times::median),
+                             us(decode, &Times::least), us(decode, &Times::most));
+    };
+    keep("bit masks", bitmask, nullptr, nullptr);
+    keep("ids of 32 bits", ids, nullptr, nullptr);
+    keep("pairs of 32 bits", pairs, nullptr, nullptr);
+    for (const std::string& name : options.codes) {
+      const Codec& codec = find_codec(name);
+      const Container container = compress(matrix, codec);
+      if (decompress(container, codec) != matrix)
+        throw std::runtime_error(name + " does not restore the matrix");
+      const auto file = write_container(container);
+      const RowReader reader(file, std::span(&codec, 1));
+      RowBuffer<std::uint32_t> buffer;
+      const Times encode = time_passes(options.seconds, [&] { codec.encode(matrix, nullptr); });
+      const Times decode = time_passes(options.seconds, [&] {
+        for (std::uint32_t r = 0; r < shape.rows; ++r) reader.ids(r, buffer);
+      });
+      keep(name, container.encoded.payload.size(), &encode, &decode);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Differences between view cells, compressed: bytes and microseconds of each code");
+  Options options;
+  app.add_option("FILES", options.files, "matrices of differences, as vismat deltas writes them");
+  app.add_option("--scale", options.scales, "also paper 000's power plant, at these shares of its size")
+      ->check(CLI::Range(1e-4, 1.));
+  app.add_option("--orders", options.orders, "of the columns")
+      ->check(CLI::IsMember({"random", "printed", "best"}))
+      ->delimiter(',');
+  app.add_option("--codes", options.codes, "row codecs")->delimiter(',');
+  app.add_option("--seconds", options.seconds, "for each time");
+  app.add_option("--csv", options.csv, "written beside the tables");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    std::string csv =
+        "matrix,rows,columns,ones,differences,order,runs,bitmask_bytes,code,bytes,encode_us,decode_us,decode_"
+        "us_least,decode_us_most\n";
+    for (const double scale : options.scales) {
+      char name[64];
+      std::snprintf(name, sizeof name, "power-plant 1/%.0f", 1 / scale);
+      measure({name, generate_delta_scene(power_plant_scene(scale))}, options, csv);
+    }
+    for (const auto& file : options.files) measure(read(file), options, csv);
+    if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "vlod_tables: %s\n", error.what());
+    return 1;
+  }
+}
