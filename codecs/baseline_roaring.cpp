@@ -2,12 +2,12 @@
 //
 // CRoaring 0.2.66 trusts what it reads but for the ends of containers: ids out of order, runs past 65535 or a wrong
 // cardinality make it read or write out of bounds later. So check() goes over all bytes first; newer versions have a
-// function for that, and whoever reads strangers' files pays for it too.
+// function for that, and whoever reads strangers' files pays for it too. A row's bitmap is made anew, container by container;
+// the library offers no way to read ids from this format without.
 #include <roaring/roaring.h>
 
 #include <array>
 #include <bit>
-#include <cstring>
 #include <memory>
 #include <new>
 #include <string>

@@ -6,9 +6,9 @@
 // are copied to a padded buffer, after what their control bytes announce has been compared with what there is.
 #include <streamvbyte.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
-#include <stdexcept>
 #include <string>
 
 #include "codecs/baseline_parts.h"

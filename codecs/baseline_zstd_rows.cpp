@@ -77,6 +77,23 @@ void check_frame(Bytes bytes) {
   if (in.left() != 0) in.fail(std::to_string(in.left()) + " bytes after the frame");
 }
 
+// At most `most` bytes; valid until the thread's next call.
+Bytes decompress(Bytes frame, std::size_t most, const ZSTD_DDict* dictionary) {
+  check_frame(frame);
+  const std::size_t room =
+      std::min(most, frame.size() / 3 << 17);  // a block takes 3 bytes or more, gives 2^17 or less
+  thread_local std::unique_ptr<std::byte[]> buffer;
+  thread_local std::size_t capacity = 0;
+  if (room > capacity || buffer == nullptr) {
+    buffer = std::make_unique_for_overwrite<std::byte[]>(room + 1);
+    capacity = room;
+  }
+  const std::size_t size = ZSTD_decompress_usingDDict(decompressor_of_thread(), buffer.get(), room,
+                                                      frame.data(), frame.size(), dictionary);
+  if (ZSTD_isError(size)) throw FormatError(std::string("zstd row: ") + ZSTD_getErrorName(size));
+  return {buffer.get(), size};
+}
+
 // A thirtieth of the data, between the library's least size and the program's default. zdict.h recommends a hundredth; of
 // six level matrices a thirtieth made four smaller, by 1 to 12 %, and two larger, by 6 %. Empty where training fails: few or
 // tiny rows.
@@ -131,21 +148,11 @@ class ZstdRows {
   }
   template <typename Sink>
   void decode(Bytes bytes, Sink& sink) const {
-    check_frame(bytes);
-    thread_local std::unique_ptr<std::byte[]> buffer;
-    thread_local std::size_t capacity = 0;
-    // A block takes at least 3 bytes and gives at most 2^17.
-    const std::size_t row = row_bytes_of(columns_), room = std::min(row, bytes.size() / 3 << 17);
-    if (room > capacity || buffer == nullptr) {
-      buffer = std::make_unique_for_overwrite<std::byte[]>(room + 1);
-      capacity = room;
-    }
-    const std::size_t size = ZSTD_decompress_usingDDict(decompressor_of_thread(), buffer.get(), room,
-                                                        bytes.data(), bytes.size(), decoding_.get());
-    if (ZSTD_isError(size)) throw FormatError(std::string("zstd row: ") + ZSTD_getErrorName(size));
-    if (size != row)
-      throw FormatError("zstd row of " + std::to_string(size) + " bytes, not " + std::to_string(row));
-    get_bitmap_row(Bytes(buffer.get(), size), sink);
+    const std::size_t size = row_bytes_of(columns_);
+    const Bytes row = decompress(bytes, size, decoding_.get());
+    if (row.size() != size)
+      throw FormatError("zstd row of " + std::to_string(row.size()) + " bytes, not " + std::to_string(size));
+    get_bitmap_row(row, sink);
   }
 
  private:
