@@ -75,6 +75,12 @@ TEST(UnrealChunks, RefusesChunksOfOtherRows) {
   EXPECT_THROW(find_codec("unreal-chunks").decode(good.payload, good.index, {101, 30}, nullptr), FormatError);
   EXPECT_THROW(find_codec("unreal-chunks").decode(good.payload, good.index, {100, 31 + 8}, nullptr),
                FormatError);
+  // Of 100 rows the last chunk holds 36; the first must not.
+  const Payload chunk =
+      find_codec("unreal-chunks").encode(test::random_matrix({36, 30}, .5, 1), nullptr).payload;
+  Payload twice = chunk;
+  twice.insert(twice.end(), chunk.begin(), chunk.end());
+  expect_refused("unreal-chunks", twice, {100, 30}, "row 36: a chunk inflates to 144 bytes");
 }
 
 // Frames are magicless: a head of two bytes, then blocks of which the first bit marks the last, here raw and of one byte.
