@@ -4,6 +4,11 @@
 // The walk is bench/level_walk.h's: through the faces' visibility of levels, or through a matrix that knows its cells' boxes
 // and neighbours. The columns are ordered by what appears and vanishes. Both lists of a boundary count. What is seen in each
 // cell on the walk is checked against its row before anything is measured.
+//
+// Measured, 5000 boundaries, the mean by `delimiter`: 50 bytes for 62 ids on artificial-1, 94 for 120 on artificial-2; on
+// levels, whose ids stand in longer runs, 34 for 184 (oa_koth1) and 36 for 285 (ctf_compromise). Bitmaps take 7, 14, 16 and
+// 32 times that, LZW on the same pairs 1.35 to 1.42 times. The largest pair of lists on any of these walks is 175 bytes; the
+// paper, whose models have two orders of magnitude more objects, has less than 750 on average.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -110,7 +115,7 @@ void print(const std::string& what, std::vector<std::uint64_t> numbers) {
   const double count = static_cast<double>(numbers.size());
   const double mean = static_cast<double>(std::reduce(numbers.begin(), numbers.end())) / count;
   const auto small = std::ranges::upper_bound(numbers, std::uint64_t{1024}) - numbers.begin();
-  std::printf("  %-16s %9.1f %9llu %9llu %9llu %9.1f\n", what.c_str(), mean, at(.5), at(.9), at(1),
+  std::printf("  %-20s %9.1f %9llu %9llu %9llu %9.1f\n", what.c_str(), mean, at(.5), at(.9), at(1),
               100 * static_cast<double>(small) / count);
 }
 
@@ -141,12 +146,12 @@ void run(const Options& options, const std::string& where, std::span<const Codec
               place.name.c_str(), place.cells.shape().rows, place.cells.shape().columns,
               options.order.c_str(), deltas.boundaries.size(), 100 * deltas.lists.density(),
               crossings.size());
-  std::printf("  %-16s %9s %9s %9s %9s %9s\n", "both lists", "mean", "median", "9 of 10", "most",
+  std::printf("  %-20s %9s %9s %9s %9s %9s\n", "in both lists", "mean", "median", "9 of 10", "most",
               "% <= 1024");
   print("ids", of_both(ids));
   print("runs", of_both(runs));
-  for (std::size_t k = 0; k < codecs.size(); ++k)
-    print(std::string(codecs[k].name) + ", bytes", of_both(bytes[k]));
+  std::printf("  bytes by\n");
+  for (std::size_t k = 0; k < codecs.size(); ++k) print(std::string(codecs[k].name), of_both(bytes[k]));
   std::printf("\n");
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     const std::uint32_t appears = crossings[i].appears(), vanishes = crossings[i].vanishes();
