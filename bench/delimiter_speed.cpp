@@ -38,8 +38,9 @@ struct List {
 
 struct Mix {
   std::string name;
-  Draw draw;
+  std::vector<List> lists;
 };
+constexpr std::size_t warm_lists = 32, many_lists = 1024, all_lists = 2048;
 
 std::uint32_t geometric(Random& random, double mean) {
   std::uint32_t number = 1;
@@ -52,26 +53,14 @@ std::uint32_t offset(Random& random) {
   return random.below(33) == 0 ? 1 + random.below(4096) : geometric(random, 8);
 }
 
-const std::vector<Mix>& mixes() {
-  static const std::vector<Mix> all = {
-      {"offsets-and-runs", [](Random& r, std::size_t i) { return i % 2 == 0 ? offset(r) : geometric(r, 3); }},
-      {"offsets", [](Random& r, std::size_t) { return offset(r); }},
-      {"runs", [](Random& r, std::size_t) { return geometric(r, 3); }},
-      // What the decoder likes least: ends that windows do not show, and codes that no table holds.
-      {"ones", [](Random&, std::size_t) { return 1u; }},
-      {"ones-and-fives", [](Random& r, std::size_t) { return r.below(30) == 0 ? 5u : 1u; }},
-      {"large", [](Random& r, std::size_t) { return static_cast<std::uint32_t>(r.next() >> 32 | 1u << 31); }},
-  };
-  return all;
-}
-
-std::vector<List> lists_of(const Mix& mix, std::size_t count) {
+std::vector<List> lists_of(const Draw& draw) {
   constexpr std::size_t size = 750;
-  std::vector<List> lists(count);
+  std::vector<List> lists(all_lists);
   Random random(1);
   for (List& list : lists) {
-    for (std::size_t step = 64; list.bytes.size() < size; step = 4) {
-      for (std::size_t i = 0; i < step; ++i) list.numbers.push_back(mix.draw(random, list.numbers.size()));
+    while (list.bytes.size() < size) {
+      const std::size_t surely_fit = (size - list.bytes.size()) * 8 / (longest_delimited(32) + 2);
+      for (std::size_t i = 0; i <= surely_fit; ++i) list.numbers.push_back(draw(random, list.numbers.size()));
       list.bytes.clear();
       put_delimited(list.bytes, list.numbers);
     }
@@ -80,7 +69,18 @@ std::vector<List> lists_of(const Mix& mix, std::size_t count) {
   return lists;
 }
 
-constexpr std::size_t warm_lists = 32, many_lists = 1024;
+std::vector<Mix> all_mixes() {
+  std::vector<Mix> mixes;
+  const auto add = [&mixes](const char* name, const Draw& draw) { mixes.push_back({name, lists_of(draw)}); };
+  add("offsets-and-runs", [](Random& r, std::size_t i) { return i % 2 == 0 ? offset(r) : geometric(r, 3); });
+  add("offsets", [](Random& r, std::size_t) { return offset(r); });
+  add("runs", [](Random& r, std::size_t) { return geometric(r, 3); });
+  // What the decoder likes least: ends that windows do not show, and codes that no table holds.
+  add("ones", [](Random&, std::size_t) { return 1u; });
+  add("ones-and-fives", [](Random& r, std::size_t) { return r.below(30) == 0 ? 5u : 1u; });
+  add("large", [](Random& r, std::size_t) { return static_cast<std::uint32_t>(r.next() >> 32 | 1u << 31); });
+  return mixes;
+}
 
 std::uint32_t sum_of(std::span<const std::byte> bytes,
                      bool by_extraction = DelimitedReader::has_fast_extraction()) {
@@ -99,7 +99,7 @@ std::uint32_t sum_of_plain(std::span<const std::byte> bytes, std::vector<std::ui
 
 // Decodes one list after the other, again from the first after the last.
 template <typename Sum>
-void decode_in_turn(benchmark::State& state, const std::vector<List>& lists, const Sum& sum) {
+void decode_in_turn(benchmark::State& state, std::span<const List> lists, const Sum& sum) {
   std::size_t i = 0, numbers = 0;
   for (auto _ : state) {
     const List& list = lists[i];
@@ -110,9 +110,8 @@ void decode_in_turn(benchmark::State& state, const std::vector<List>& lists, con
   state.SetItemsProcessed(static_cast<std::int64_t>(numbers));
 }
 
-void decode_cold(benchmark::State& state, const Mix& mix, bool only_bytes) {
+void decode_cold(benchmark::State& state, std::span<const List> lists, bool only_bytes) {
   constexpr std::size_t total = std::size_t{96} << 20;
-  const std::vector<List> lists = lists_of(mix, 2048);
   struct Copy {
     std::size_t begin, list;
   };
@@ -143,7 +142,7 @@ void decode_cold(benchmark::State& state, const Mix& mix, bool only_bytes) {
   state.SetItemsProcessed(static_cast<std::int64_t>(numbers));
 }
 
-void encode(benchmark::State& state, const std::vector<List>& lists) {
+void encode(benchmark::State& state, std::span<const List> lists) {
   std::vector<std::byte> bytes;
   std::size_t i = 0, numbers = 0;
   for (auto _ : state) {
@@ -156,7 +155,7 @@ void encode(benchmark::State& state, const std::vector<List>& lists) {
   state.SetItemsProcessed(static_cast<std::int64_t>(numbers));
 }
 
-void ratio(benchmark::State& state, const std::vector<List>& lists) {
+void ratio(benchmark::State& state, std::span<const List> lists) {
   std::vector<std::uint64_t> numbers;
   double fast = 0, plain = 0;  // of processor time: other programs may run
   for (auto _ : state) {
@@ -195,31 +194,34 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::AddCustomContext("compiler", __VERSION__);
-  for (const Mix& mix : mixes()) {
+  const std::vector<Mix> mixes = all_mixes();
+  for (const Mix& mix : mixes) {
     const auto on = [&mix](std::size_t count, const auto& body) {
-      return [&mix, count, body](benchmark::State& state) { body(state, lists_of(mix, count)); };
+      return [&mix, count, body](benchmark::State& state) { body(state, std::span(mix.lists).first(count)); };
     };
-    const auto decode = [](benchmark::State& state, const std::vector<List>& lists) {
+    const auto decode = [](benchmark::State& state, std::span<const List> lists) {
       decode_in_turn(state, lists, [](std::span<const std::byte> bytes) { return sum_of(bytes); });
     };
-    const auto by_table = [](benchmark::State& state, const std::vector<List>& lists) {
+    const auto cold = [](benchmark::State& state, std::span<const List> lists) {
+      decode_cold(state, lists, false);
+    };
+    const auto by_table = [](benchmark::State& state, std::span<const List> lists) {
       decode_in_turn(state, lists, [](std::span<const std::byte> bytes) { return sum_of(bytes, false); });
     };
-    const auto plain = [](benchmark::State& state, const std::vector<List>& lists) {
+    const auto plain = [](benchmark::State& state, std::span<const List> lists) {
       std::vector<std::uint64_t> numbers;
       decode_in_turn(state, lists,
                      [&numbers](std::span<const std::byte> bytes) { return sum_of_plain(bytes, numbers); });
     };
     measure("decode/" + mix.name + "/warm", on(warm_lists, decode));
     measure("decode/" + mix.name + "/many", on(many_lists, decode));
-    measure("decode/" + mix.name + "/cold",
-            [&mix](benchmark::State& state) { decode_cold(state, mix, false); });
+    measure("decode/" + mix.name + "/cold", on(all_lists, cold));
     measure("by-table/" + mix.name + "/many", on(many_lists, by_table));
     measure("plain/" + mix.name + "/many", on(many_lists, plain));
     measure("ratio/" + mix.name, on(many_lists, ratio));
     measure("encode/" + mix.name + "/many", on(many_lists, encode));
   }
-  measure("read/cold", [](benchmark::State& state) { decode_cold(state, mixes().front(), true); });
+  measure("read/cold", [&mixes](benchmark::State& state) { decode_cold(state, mixes.front().lists, true); });
   benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

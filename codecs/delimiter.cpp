@@ -25,7 +25,7 @@
 //   - pext takes these out of the whole window, which turned round holds the numbers' binary digits one behind the other, and
 //     two shifts cut out each; or,
 //   - without a fast pext, each code of up to 11 bits is an index of a table, and longer ones lose their bits one by one.
-// A number whose end the window does not show is read alone.
+// Ones that the window does not see the end of are counted through.
 //
 // The tables take 8 kB (decoding) and 4 kB.
 #include "codecs/delimiter.h"
@@ -309,41 +309,57 @@ inline u64 DelimitedReader::zeros_from(std::int64_t place) const {
   return place < 0 ? load(0) << -place : load(place / 8) >> place % 8;
 }
 
-// The number behind the delimiter at next_, whatever follows it.
-DelimitedReader::Alone DelimitedReader::read_alone() const {
+// The ones from `place` on; at `enough` it may stop counting.
+std::int64_t DelimitedReader::ones_from(std::int64_t place, std::int64_t enough) const {
+  for (std::int64_t count = 0; count < enough; count += window_bits) {
+    if (const u64 zeros = zeros_from(place + count); zeros != 0) return count + std::countr_zero(zeros);
+  }
+  return enough;
+}
+
+// The number behind the delimiter at next_, whatever follows it, and numbers 1 as far as they follow and fit.
+std::uint32_t* DelimitedReader::read_run(std::uint32_t* to, std::uint32_t* end) {
   constexpr const char* too_large = "a number above 2^32 - 1";
+  const auto write_ones = [&](std::int64_t ones_there) {
+    const std::int64_t count = std::min<std::int64_t>((ones_there - 3) / 4, end - to);
+    to = std::fill_n(to, count, 1u);
+    next_ += 4 * count;
+  };
   const std::int64_t begin = next_ + 2;
   const u64 zeros = zeros_from(next_), ones = ~zeros;
   const int head = std::countr_zero(zeros) - 2;
   if (head == 0) fail(begin, "a number that begins with 0");
-  if (head >= 5) return {1, next_ + 4};
+  if (head >= 5) {
+    write_ones(ones_from(next_, 4 * (end - to) + 3));
+    return to;
+  }
   if (head >= 3 || begin > stop_) fail(begin, "ones of no count that numbers make");
   const u64 third = ones & ones << 1 & ones << 2 & ~low_bits(4);  // of the ones behind this number
   if (third == 0) fail(begin, too_large);
   const std::int64_t run = next_ + std::countr_zero(third) - 2;
-  std::int64_t run_end = run;
-  u64 zeros_there = zeros_from(run_end);
-  for (; zeros_there == 0; zeros_there = zeros_from(run_end)) run_end += window_bits;
-  run_end += std::countr_zero(zeros_there);
-  const std::int64_t end = run + ((run_end - run - 3) & 2);
-  const auto length = static_cast<unsigned>(end - begin);
+  const std::int64_t ones_there = ones_from(run, stop_ + 3 - run);
+  next_ = run + ((ones_there - 3) & 2);
+  const auto length = static_cast<unsigned>(next_ - begin);
   if (length > longest_delimited(32)) fail(begin, too_large);
   const u64 number = number_of_code({ones >> 2 & low_bits(length), length});
   if (number >> 32 != 0) fail(begin, too_large);
-  return {static_cast<std::uint32_t>(number), end};
+  *to++ = static_cast<std::uint32_t>(number);
+  write_ones(ones_there);
+  return to;
 }
 
 template <typename Numbers>
 std::size_t DelimitedReader::read_by(std::span<std::uint32_t> out) {
   std::uint32_t* to = out.data();
-  std::uint32_t* const limit = to + out.size() - 2 * (most_in_window + 1);
+  std::uint32_t* const end = to + out.size();
+  std::uint32_t* const limit = end - 2 * (most_in_window + 1);
   // A window's numbers are written when the next window's are found: the steps of either wait for one another, so that the
   // processor has something to do meanwhile.
   Numbers found;
   const auto write = [&] {
     if (found.ends != 0 && !found.write(to)) [[unlikely]] {
       next_ = found.place;
-      for (;;) next_ = read_alone().next;  // throws, with the number's place
+      for (;;) read_run(out.data(), end);  // throws, with the number's place
     }
   };
   while (to <= limit && next_ < stop_) {
@@ -352,16 +368,9 @@ std::size_t DelimitedReader::read_by(std::span<std::uint32_t> out) {
     if ((starts.all & 4) != 0 && starts.all != 4) [[likely]] {
       found = Numbers::of(starts, next_);
       next_ += 61 - std::countl_zero(starts.heads);
-      continue;
-    }
-    found = {};
-    if (starts.zeros << 13 == 0) {  // 51 ones
-      to = std::fill_n(to, 12, 1u);
-      next_ += 48;
     } else {
-      const Alone alone = read_alone();
-      *to++ = alone.number;
-      next_ = alone.next;
+      found = {};
+      to = read_run(to, end);
     }
   }
   write();

@@ -38,12 +38,9 @@ class DelimitedReader {
   static constexpr std::size_t least_room = 64;
 
  private:
-  struct Alone {
-    std::uint32_t number;
-    std::int64_t next;
-  };
   std::uint64_t zeros_from(std::int64_t place) const;
-  Alone read_alone() const;
+  std::int64_t ones_from(std::int64_t place, std::int64_t enough) const;
+  std::uint32_t* read_run(std::uint32_t* to, std::uint32_t* end);
   template <typename Numbers>
   std::size_t read_by(std::span<std::uint32_t> out);
 
