@@ -9,12 +9,15 @@
 namespace vismat {
 namespace {
 
-// Of two boxes with a point in common on every axis.
+bool apart(const Box& a, const Box& b, std::size_t axis) {
+  return a.high[axis] < b.low[axis] || b.high[axis] < a.low[axis];
+}
+
+// Of two boxes that are apart on no axis.
 bool share_a_face(const Box& a, const Box& b) {
   int touching = 0, overlapping = 0;  // axes; on those left both are flat, in the same plane
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const float low = std::max(a.low[axis], b.low[axis]), high = std::min(a.high[axis], b.high[axis]);
-    if (low > high) return false;
     const bool both_flat = a.low[axis] == a.high[axis] && b.low[axis] == b.high[axis];
     touching += low == high && !both_flat;
     overlapping += low < high;
@@ -51,10 +54,12 @@ VisibilityMatrix touching_boxes(std::span<const Box> boxes) {
   std::vector<Box> sorted;  // so that the sweep reads memory in sequence
   sorted.reserve(boxes.size());
   for (const std::uint32_t b : best.order) sorted.push_back(boxes[b]);
+  const std::size_t axes[] = {best.axis, (best.axis + 1) % 3, (best.axis + 2) % 3};
   std::vector<std::vector<std::uint32_t>> neighbours(boxes.size());
   for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const float end = sorted[i].high[best.axis];
-    for (std::size_t j = i + 1; j < sorted.size() && sorted[j].low[best.axis] <= end; ++j) {
+    const float end = sorted[i].high[axes[0]];
+    for (std::size_t j = i + 1; j < sorted.size() && sorted[j].low[axes[0]] <= end; ++j) {
+      if (apart(sorted[i], sorted[j], axes[1]) || apart(sorted[i], sorted[j], axes[2])) continue;
       if (!share_a_face(sorted[i], sorted[j])) continue;
       neighbours[best.order[i]].push_back(best.order[j]);
       neighbours[best.order[j]].push_back(best.order[i]);
