@@ -28,6 +28,16 @@
 // Ones that the window does not see the end of are counted through.
 //
 // The tables take 8 kB (decoding) and 4 kB.
+//
+// The limit (bench/delimiter_speed, offsets and runs, 750 bytes or 1100 numbers; Zen 5 at 3.8 GHz, GCC 12). 750 bytes come and
+// 4.4 kB go: 0.15 us of stores, and 0.45 us where the bytes are not in the cache. But a window is found from the last start in the
+// one before: 30 cycles for each of 115 windows, 0.9 us. We take 1.7 us, 6 cycles a number; by table 1.45 us on a list
+// that the processor knows by heart and 2.4 us on others, of which about 1 us for branches that it guessed wrongly. With a
+// check of the numbers 1.85 us (by heart), 2.15 us and 2.7 us (cold); the paper's pass bit by bit 18 us. Least is won, 2.2 times,
+// where 30 numbers 1 and a larger one take turns: the plain pass foresees every bit of that.
+//
+// What was tried and lost: windows one after the other, +25 %; a loop over the numbers of an extracted window in place of
+// twelve whatever they are, +25 %; twelve whatever they are by table, +15 %; the table with BMI's instructions, nothing.
 #include "codecs/delimiter.h"
 
 #include <algorithm>
