@@ -8,6 +8,7 @@
 
 #include <array>
 #include <bit>
+#include <cstring>
 #include <memory>
 #include <new>
 #include <string>
@@ -29,34 +30,48 @@ using Bitmap = std::unique_ptr<roaring_bitmap_t, Free>;
 constexpr std::uint32_t largest_array = 4096;
 constexpr std::size_t bitset_bytes = 8192;
 
+template <typename Number>
+Number number(Bytes bytes, std::size_t i) {
+  Number value;
+  std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
+  return value;
+}
+
 void check_array(ByteReader& in, std::uint32_t ones) {
-  int last = -1;
-  for (std::uint32_t i = 0; i < ones; ++i) {
-    const int id = in.number<std::uint16_t>();
-    if (id <= last) in.fail("ids do not ascend");
-    last = id;
-  }
+  const Bytes ids = in.bytes(std::size_t{ones} * 2);
+  bool ascend = true;
+  for (std::size_t i = 1; i < ones; ++i)
+    ascend &= number<std::uint16_t>(ids, i - 1) < number<std::uint16_t>(ids, i);
+  if (!ascend) in.fail("ids do not ascend");
+}
+
+void check_count(const ByteReader& in, std::uint32_t found, std::uint32_t announced) {
+  if (found != announced)
+    in.fail(std::to_string(found) + " ones where " + std::to_string(announced) + " are announced");
 }
 
 void check_bitset(ByteReader& in, std::uint32_t ones) {
+  const Bytes words = in.bytes(bitset_bytes);
   std::uint32_t found = 0;
-  for (std::size_t i = 0; i < bitset_bytes; i += 8)
-    found += static_cast<std::uint32_t>(std::popcount(in.number<std::uint64_t>()));
-  if (found != ones)
-    in.fail(std::to_string(found) + " ones where " + std::to_string(ones) + " are announced");
+  for (std::size_t i = 0; i < bitset_bytes / 8; ++i)
+    found += static_cast<std::uint32_t>(std::popcount(number<std::uint64_t>(words, i)));
+  check_count(in, found, ones);
 }
 
 void check_runs(ByteReader& in, std::uint32_t ones) {
+  const std::size_t runs = in.number<std::uint16_t>();
+  const Bytes pairs = in.bytes(runs * 4);
   std::uint32_t found = 0, free = 0;  // where the next run may begin
-  const auto runs = in.number<std::uint16_t>();
-  for (unsigned i = 0; i < runs; ++i) {
-    const std::uint32_t first = in.number<std::uint16_t>(), last = first + in.number<std::uint16_t>();
-    if (first < free || last > 65535) in.fail("runs overlap, touch, or leave their container");
+  bool apart = true;
+  for (std::size_t i = 0; i < runs; ++i) {
+    const std::uint32_t first = number<std::uint16_t>(pairs, 2 * i),
+                        last = first + number<std::uint16_t>(pairs, 2 * i + 1);
+    apart &= first >= free && last <= 65535;
     found += last - first + 1;
     free = last + 2;
   }
-  if (found != ones)
-    in.fail(std::to_string(found) + " ones where " + std::to_string(ones) + " are announced");
+  if (!apart) in.fail("runs overlap, touch, or leave their container");
+  check_count(in, found, ones);
 }
 
 // FormatError unless these are exactly one bitmap of github.com/RoaringBitmap/RoaringFormatSpec with non-empty containers.

@@ -131,7 +131,7 @@ TEST(Roaring, RefusesWhatTheLibraryWouldTrust) {
             VisibilityMatrix::from_rows({{65539, 65541, 65545}}, shape.columns));
   expect_refused("roaring", array({1, 2}, {3, 9, 5}), shape, "ids do not ascend");
   expect_refused("roaring", array({1, 2}, {3, 3, 5}), shape, "ids do not ascend");
-  expect_refused("roaring", array({1, 3}, {3, 5, 9}), shape, "needs 2 more bytes");
+  expect_refused("roaring", array({1, 3}, {3, 5, 9}), shape, "needs 8 more bytes");
   expect_refused("roaring", array({1, 1}, {3, 5, 9}), shape, "bytes after the bitmap");
   expect_refused("roaring", array({9, 2}, {3, 5, 9}), shape, "column 589827 in a row of 200000");
   expect_refused("roaring", payload_of({{4, {12346, 1}}, {2, {1, 0}}, {4, {17}}, {2, {3}}}), shape,
