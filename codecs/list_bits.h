@@ -70,7 +70,7 @@ class ListBits {
   }
 
   bool ended() const { return place_ >= stop_; }
-  /// At least 57 bits ahead, zeros behind the bytes; not where the list has passed its end.
+  /// At least 57 bits ahead, zeros behind the bytes; at most one bit past the list's end.
   std::uint64_t peek() const {
     const std::size_t byte = place_ / 8;
     std::uint64_t bits;

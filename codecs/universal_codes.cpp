@@ -30,7 +30,6 @@ std::size_t GammaCode::Reader::read(std::span<std::uint32_t> out) {
     }
     if (below > 31) bits.fail("a number above 2^32 - 1");
     bits.take(below + 1);
-    if (bits.ended()) bits.fail("the list ends within a number");
     ahead = bits.peek();
     bits.take(below);
     return std::uint32_t{1} << below | static_cast<std::uint32_t>(lowest_bits(ahead, below));

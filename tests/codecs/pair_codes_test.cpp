@@ -460,6 +460,70 @@ TEST(AnsTable, RefusesSharesThatAreNone) {
   EXPECT_THROW(read({2, ~std::uint64_t{0}, 1}), FormatError);
 }
 
+// What no encoder makes, by hand. The parts of a list are (bits, how many).
+Bytes list_of(Bytes before, std::initializer_list<std::pair<std::uint64_t, unsigned>> parts) {
+  ListWriter bits(before);
+  for (const auto& [part, count] : parts) bits.put(part, count);
+  bits.finish();
+  return before;
+}
+
+TEST(Gamma, RefusesNumbersThatAreCutOrTooLarge) {
+  EXPECT_EQ(read_list(GammaCode{}, list_of({}, {{0, 29}, {1, 1}, {3, 29}})), Numbers{(1u << 29) + 3});
+  EXPECT_THROW(read_list(GammaCode{}, list_of({}, {{0, 29}})),
+               FormatError);  // the list's end is taken for the 1
+  EXPECT_THROW(read_list(GammaCode{}, list_of({}, {{0, 29}, {1, 1}, {3, 28}})), FormatError);
+  EXPECT_THROW(read_list(GammaCode{}, list_of({}, {{0, 32}, {1, 1}, {0, 32}})), FormatError);
+}
+
+TEST(Rice, RefusesLongFormsOfSmallNumbers) {
+  const auto long_form = [](std::uint32_t number) {
+    return list_of({std::byte{0x02}}, {{0, 24}, {number, 32}});  // k = 2 for gaps
+  };
+  EXPECT_EQ(read_list(RiceCode{}, long_form(4 * 24 + 1)), Numbers{4 * 24 + 1});
+  EXPECT_THROW(read_list(RiceCode{}, long_form(4 * 24)), FormatError);
+  EXPECT_THROW(read_list(RiceCode{}, long_form(0)), FormatError);
+}
+
+TEST(Interpolative, RefusesSumsThatNumbersCannotHave) {
+  const auto list_of_one = [](std::uint64_t number) {
+    Bytes bytes = {std::byte{1}};
+    put_varint(bytes, number - 1);
+    return list_of(bytes, {});
+  };
+  EXPECT_EQ(read_list(InterpolativeCode{}, list_of_one(0xffffffff)), Numbers{0xffffffff});
+  EXPECT_THROW(read_list(InterpolativeCode{}, list_of_one(0x100000000)), FormatError);
+  EXPECT_THROW(read_list(InterpolativeCode{}, list_of_one((std::uint64_t{1} << 56) + 1)), FormatError);
+}
+
+TEST(Lzw, RefusesNumbersThatAreNone) {
+  const auto list_of_bytes = [](std::initializer_list<unsigned> text) {
+    Bytes bytes;
+    ListWriter bits(bytes);
+    unsigned width = 8;
+    for (const unsigned byte : text) bits.put(byte, std::exchange(width, 9));
+    bits.finish();
+    return bytes;
+  };
+  EXPECT_EQ(read_list(LzwCode{}, list_of_bytes({0xff, 0xff, 0xff, 0xff, 0x0f})), Numbers{0xffffffff});
+  EXPECT_THROW(read_list(LzwCode{}, list_of_bytes({0x80, 0x80, 0x80, 0x80, 0x10})), FormatError);  // 2^32
+  EXPECT_THROW(read_list(LzwCode{}, list_of_bytes({0x81, 0x00})), FormatError);  // 1 in two bytes
+  EXPECT_THROW(read_list(LzwCode{}, list_of_bytes({0x00})), FormatError);
+  EXPECT_THROW(read_list(LzwCode{}, list_of_bytes({0x81})), FormatError);
+  EXPECT_THROW(read_list(LzwCode{}, list_of({}, {{1, 8}, {257, 9}})),
+               FormatError);  // the entry after the open one
+}
+
+TEST(OwnHuffman, RefusesBitsThatAreNoCode) {
+  const Bytes only_one = {std::byte{1}, std::byte{0x01}};  // one symbol, of one bit: 0
+  EXPECT_EQ(read_list(OwnHuffmanCode{}, list_of(only_one, {{0, 3}})), (Numbers{1, 1, 1}));
+  EXPECT_THROW(read_list(OwnHuffmanCode{}, list_of(only_one, {{1, 1}, {0, 1}})), FormatError);
+  EXPECT_THROW(read_list(OwnHuffmanCode{}, list_of(only_one, {})), FormatError);
+  EXPECT_THROW(read_list(OwnHuffmanCode{}, only_one), FormatError);
+  EXPECT_THROW(read_list(OwnHuffmanCode{}, Bytes{std::byte{0}}), FormatError);
+  EXPECT_THROW(read_list(OwnHuffmanCode{}, Bytes{std::byte{169}}), FormatError);
+}
+
 TEST(Rice, ChoosesParametersForEachRow) {
   Numbers list;
   for (int i = 0; i < 100; ++i) list.insert(list.end(), {1000u + static_cast<std::uint32_t>(i), 1u});
