@@ -100,6 +100,7 @@ void add_encode(CLI::App& app) {
     Container container = compress(data.matrix, codec, data.tree ? &*data.tree : nullptr);
     container.row_order = data.row_order;
     container.column_order = data.column_order;
+    container.boundaries = data.boundaries;
     container.facts = facts_of(data);
     write_file(options->out, write_container(container));
     const std::size_t payload = container.encoded.payload.size(), index = container.encoded.index.size();
@@ -135,6 +136,7 @@ void add_decode(CLI::App& app) {
       data.tree = container.tree;
       data.row_order = container.row_order;
       data.column_order = container.column_order;
+      data.boundaries = container.boundaries;
       if (const std::uint32_t columns = container.shape.columns;
           data.tree ? (data.columns_are_nodes ? data.tree->size() : data.tree->object_count()) != columns
                     : data.columns_are_nodes) {

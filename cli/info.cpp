@@ -130,6 +130,7 @@ void print_container(const Container& container) {
   };
   line("row order", order(container.row_order));
   line("column order", order(container.column_order));
+  if (!container.boundaries.empty()) line("boundaries", summary_of(container.boundaries));
   if (container.tree) {
     print_tree(*container.tree);
   } else {

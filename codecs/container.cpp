@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include "codecs/bit_stream.h"
 #include "codecs/checksum.h"
@@ -113,7 +114,59 @@ std::vector<std::byte> order_bytes(const std::optional<Permutation>& order) {
   return out;
 }
 
+// Boundaries ascend, those from outside first: how many these are, each step between their cells; then of each of the others
+// the step from the last one's first cell and the step to its second.
+std::vector<std::byte> boundary_bytes(std::span<const Boundary> boundaries) {
+  std::vector<std::byte> out;
+  if (boundaries.empty()) return out;
+  std::size_t outside = 0;
+  while (outside < boundaries.size() && boundaries[outside].from == Boundary::outside) ++outside;
+  put_varint(out, outside);
+  std::uint32_t last = 0;
+  for (const Boundary& b : boundaries.first(outside)) put_varint(out, b.to - std::exchange(last, b.to));
+  last = 0;
+  for (const Boundary& b : boundaries.subspan(outside)) {
+    put_varint(out, b.from - std::exchange(last, b.from));
+    put_varint(out, b.to - b.from);
+  }
+  return out;
+}
+
 }  // namespace
+
+std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, std::uint32_t rows) {
+  std::vector<Boundary> boundaries;
+  if (bytes.empty()) return boundaries;
+  ByteReader in(bytes, "boundary section");
+  const auto cell = [&](std::uint64_t from, std::uint64_t step) {
+    if (step >= Boundary::outside - from) in.fail("a cell of more than 32 bits");
+    return static_cast<std::uint32_t>(from + step);
+  };
+  const std::uint64_t outside = in.varint();
+  if (in.left() == 0) in.fail("no boundary");
+  if (outside > in.left())
+    in.fail(std::to_string(outside) + " boundaries from outside in " + std::to_string(in.left()) + " bytes");
+  std::uint32_t last = 0;
+  for (std::uint64_t i = 0; i < outside; ++i) {
+    last = cell(last, in.varint());
+    boundaries.push_back({Boundary::outside, last});
+  }
+  last = 0;
+  while (in.left() > 0) {
+    last = cell(last, in.varint());
+    boundaries.push_back({last, cell(last, in.varint())});
+  }
+  if (2 * std::uint64_t{boundaries.size()} != rows) {
+    in.fail(std::to_string(boundaries.size()) + " boundaries for " + std::to_string(rows) +
+            " rows; there are two rows a boundary");
+  }
+  try {
+    BoundaryMap{boundaries};
+  } catch (const std::invalid_argument& error) {
+    in.fail(error.what());
+  }
+  return boundaries;
+}
 
 std::optional<Permutation> order_from_bytes(std::span<const std::byte> bytes, std::uint32_t size) {
   if (bytes.empty()) return std::nullopt;
@@ -153,7 +206,9 @@ ContainerHead::ContainerHead(std::span<const std::byte> file) {
   ones = in.number<std::uint64_t>();
   if (ones > std::uint64_t{shape.rows} * shape.columns) in.fail("more ones than the matrix has places");
   codec = text(in.bytes(name_bytes));
-  codec.resize(std::min(codec.find('\0'), codec.size()));
+  const std::size_t name_end = std::min(codec.find('\0'), codec.size());
+  if (codec.find_first_not_of('\0', name_end) != std::string::npos) in.fail("bytes behind the codec's name");
+  codec.resize(name_end);
   body_ = file.last(*body);
   sums_ = file.subspan(head_bytes, file.size() - *body - head_bytes);
   std::uint64_t at = 0;
@@ -188,12 +243,14 @@ std::vector<std::byte> write_container(const Container& container) {
   assert(container.codec.size() <= name_bytes);
   const std::vector<std::byte> tree = container.tree ? tree_bytes(*container.tree) : std::vector<std::byte>{},
                                rows = order_bytes(container.row_order),
-                               columns = order_bytes(container.column_order);
+                               columns = order_bytes(container.column_order),
+                               boundaries = boundary_bytes(container.boundaries);
   const std::array<std::span<const std::byte>, ContainerHead::sections> sections = {
       std::as_bytes(std::span(container.facts)),
       tree,
       rows,
       columns,
+      boundaries,
       container.encoded.index,
       container.encoded.payload};
   std::vector<std::byte> out;
@@ -228,6 +285,7 @@ Container read_container(std::span<const std::byte> bytes) {
     container.tree = tree_from_bytes(tree);
   container.row_order = order_from_bytes(head.section(ContainerHead::row_order), head.shape.rows);
   container.column_order = order_from_bytes(head.section(ContainerHead::column_order), head.shape.columns);
+  container.boundaries = boundaries_from_bytes(head.section(ContainerHead::boundaries), head.shape.rows);
   const auto index = head.section(ContainerHead::index), payload = head.section(ContainerHead::payload);
   container.encoded.index.assign(index.begin(), index.end());
   container.encoded.payload.assign(payload.begin(), payload.end());

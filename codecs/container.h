@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "codecs/codec.h"
+#include "matrix/deltas.h"
 #include "matrix/permutation.h"
 
 namespace vismat {
@@ -22,6 +23,8 @@ struct Container {
   std::optional<ObjectTree> tree;  // over the columns; to codecs over a tree the columns are its nodes
   /// Where the rows and columns of the source stand in this file, if it was reordered (Dataset's row_order, column_order).
   std::optional<Permutation> row_order, column_order;
+  /// Between which view cells the rows are differences, as in Deltas; then there are two rows a boundary.
+  std::vector<Boundary> boundaries;
   std::string facts;  // what the source file said of the matrix, one `key: value` a line
   bool operator==(const Container&) const = default;
 };
@@ -43,7 +46,7 @@ VisibilityMatrix decompress(const Container& container, const Codec& codec);
 class ContainerHead {
  public:
   static constexpr std::uint64_t block_bytes = 4096;  // of the body, a checksum each
-  enum Section { facts, tree, row_order, column_order, index, payload, sections };
+  enum Section { facts, tree, row_order, column_order, boundaries, index, payload, sections };
 
   /// Checks magic, version, the head's checksum, that the sections fill the file exactly, and the checksum over the blocks'
   /// checksums. O(blocks); reads nothing of the body. Throws FormatError.
@@ -68,7 +71,8 @@ class ContainerHead {
 /// writer's last step, and what a fuzzer needs.
 void seal_container(std::span<std::byte> file);
 
-/// Reads a section that was checked. Empty: none.
+/// Both read a section that was checked; FormatError where it is not what it should be. Empty: none.
 std::optional<Permutation> order_from_bytes(std::span<const std::byte> bytes, std::uint32_t size);
+std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, std::uint32_t rows);
 
 }  // namespace vismat

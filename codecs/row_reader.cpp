@@ -190,4 +190,10 @@ std::optional<Permutation> RowReader::column_order() const {
   });
 }
 
+std::vector<Boundary> RowReader::boundaries() const {
+  return open_->naming([&] {
+    return boundaries_from_bytes(open_->check(open_->head.section(ContainerHead::boundaries)), shape().rows);
+  });
+}
+
 }  // namespace vismat

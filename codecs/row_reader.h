@@ -11,6 +11,7 @@
 
 #include "codecs/codec.h"
 #include "codecs/row_sink.h"
+#include "matrix/deltas.h"
 #include "matrix/permutation.h"
 
 namespace vismat {
@@ -50,6 +51,8 @@ class RowReader {
   /// Where the source's rows and columns stand in the file; nullopt where they were not reordered. Read anew at each call.
   std::optional<Permutation> row_order() const;
   std::optional<Permutation> column_order() const;
+  /// Between which view cells the rows are differences (Deltas in matrix/deltas.h); empty where rows are view cells.
+  std::vector<Boundary> boundaries() const;
 
  private:
   struct Open;

@@ -5,7 +5,6 @@
 #include "codecs/tree_coding.h"
 
 #include <algorithm>
-#include <cstring>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -29,7 +28,7 @@ class Marker {
   }
   // std::invalid_argument where the part holds a cell that the whole has not.
   void mark(std::span<const std::uint32_t> part, std::uint8_t* bits) const {
-    std::memset(bits, 0, whole_.size());
+    std::fill_n(bits, whole_.size(), std::uint8_t{0});
     for (const std::uint32_t cell : part) {
       const std::uint32_t p = place_[cell];
       if (p >= whole_.size() || whole_[p] != cell) throw std::invalid_argument(not_monotone);
