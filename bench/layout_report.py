@@ -6,7 +6,6 @@
 
 The notebook imports the same functions. Nothing here measures: every figure is read or a quotient of two that are.
 """
-import html
 import pathlib
 import sys
 from dataclasses import dataclass
@@ -20,7 +19,7 @@ import numpy
 import pandas as pd
 
 import report_tools as tools
-from report_tools import PUBLISHED, bare, plain_ticks, to_html, to_text
+from report_tools import PUBLISHED, bare, plain_ticks, to_html
 
 BLUE, RED, GREY = "#1f4e79", "#b03a2e", "#777777"
 # Each method's colour and marker, the same in all charts.
@@ -554,46 +553,10 @@ def sections(results):
                                       ("Near columns found by sketches (nearby_points), of the ten nearest", table_of_recall(results)), "failures_flann"])
 
 
-def text(results):
-    parts = []
-    for heading, words, items in sections(results):
-        parts += ["", heading, "=" * len(heading), *([words] if words else [])]
-        for item in items:
-            if not isinstance(item, str):
-                label, table = item
-                parts += ["", *([label] if label else []), to_text(table)]
-    return "\n".join(parts[1:])
-
-
-def keep(out, records):
-    """Copies of the tables, with where they were measured as comments before them."""
-    records.mkdir(parents=True, exist_ok=True)
-    origin = "".join(f"# {line}\n" for line in tools.provenance())
-    for path in [*(out / "layout").glob("*.csv"), out / "layout" / "layout.txt"]:
-        (records / path.name).write_text(origin + path.read_text())
-
-
 def main(out="out", records=None):
-    out = pathlib.Path(out)
     results = load(out)
-    charts = {}
-    for name, (caption, draw) in CHARTS.items():
-        if name == "walk" and results.walk is None:
-            continue
-        figure = draw(results)
-        figure.savefig(out / "layout" / f"{name}.png", dpi=120, bbox_inches="tight")
-        plt.close(figure)
-        charts[name] = tools.figure(caption, (out / "layout" / f"{name}.png").read_bytes())
-    body = f"<h1>Orders of columns and rows, with lower bounds</h1>\n<p>{HOW_TO_READ}</p>\n"
-    for heading, words, items in sections(results):
-        body += f"<h2>{html.escape(heading)}</h2>\n" + (f"<p>{html.escape(words)}</p>\n" if words else "")
-        for item in items:
-            body += charts[item] if isinstance(item, str) else (f"<h3>{html.escape(item[0])}</h3>" if item[0] else "") + to_html(item[1]) + "\n"
-    (out / "layout.html").write_text(tools.page("vismat: orders", body))
-    (out / "layout" / "layout.txt").write_text("\n".join([text(results), "", *tools.provenance(), ""]))
-    if records:
-        keep(out, pathlib.Path(records))
-    print(text(results))
+    charts = {name: (caption, draw(results)) for name, (caption, draw) in CHARTS.items() if name != "walk" or results.walk is not None}
+    tools.write_report(out, "layout", "orders of columns and rows, with lower bounds", HOW_TO_READ, sections(results), charts, records)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ import html
 import pathlib
 import subprocess
 
+import matplotlib.pyplot
 import matplotlib.ticker
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -89,3 +90,41 @@ def page(title, body):
 {body}<footer>{"<br>".join(map(html.escape, provenance()))}</footer>
 </body></html>
 """
+
+
+def as_text(sections):
+    """Headings, words and tables of `sections`: triples of a heading, words, and items, each a chart's name or a pair of a label
+    and a table."""
+    parts = []
+    for heading, words, items in sections:
+        parts += ["", heading, "=" * len(heading), *([words] if words else [])]
+        for item in items:
+            if not isinstance(item, str):
+                label, table = item
+                parts += ["", *([label] if label else []), to_text(table)]
+    return "\n".join(parts[1:])
+
+
+def write_report(out, name, title, introduction, sections, charts, records=None):
+    """Writes OUT/NAME.html, OUT/NAME/NAME.txt and a PNG a chart to OUT/NAME; prints the text. `charts`: name to caption and
+    figure. With `records`: copies of the tables there, machine and commit as comments before them."""
+    out, sections = pathlib.Path(out), list(sections)
+    images = {}
+    for chart, (caption, drawn) in charts.items():
+        drawn.savefig(out / name / f"{chart}.png", dpi=120, bbox_inches="tight")
+        matplotlib.pyplot.close(drawn)
+        images[chart] = figure(caption, (out / name / f"{chart}.png").read_bytes())
+    body = f"<h1>{html.escape(title)}</h1>\n<p>{introduction}</p>\n"
+    for heading, words, items in sections:
+        body += f"<h2>{html.escape(heading)}</h2>\n" + (f"<p>{html.escape(words)}</p>\n" if words else "")
+        for item in items:
+            body += images[item] if isinstance(item, str) else (f"<h3>{html.escape(item[0])}</h3>" if item[0] else "") + to_html(item[1]) + "\n"
+    (out / f"{name}.html").write_text(page(f"vismat: {title}", body))
+    (out / name / f"{name}.txt").write_text("\n".join([as_text(sections), "", *provenance(), ""]))
+    if records:
+        records = pathlib.Path(records)
+        records.mkdir(parents=True, exist_ok=True)
+        origin = "".join(f"# {line}\n" for line in provenance())
+        for path in [*(out / name).glob("*.csv"), out / name / f"{name}.txt"]:
+            (records / path.name).write_text(origin + path.read_text())
+    print(as_text(sections))

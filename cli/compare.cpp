@@ -210,10 +210,12 @@ void add_compare(CLI::App& app) {
   verb->add_option("--orders", options->orders,
                    "natural (as it stands), best (rows and columns as by vismat order), or both")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({"natural", "best"}))
       ->capture_default_str();
   verb->add_option("--codecs", options->codecs, "These alone; default: all that there are here")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   verb->add_flag("--distinct", options->distinct,
                  "Equal columns once; what tells which are equal counts as part of the order");
   verb->add_option("--seconds", options->seconds,

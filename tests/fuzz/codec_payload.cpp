@@ -1,4 +1,5 @@
-// Any payload and node index, for every codec: it decodes to the shape asked for or is refused.
+// Any payload and node index, for every codec: it decodes to the shape asked for or is refused; what ours
+// decode they encode to bytes that mean the same (others' compressors may take a tenth of a second for that).
 //
 //   the codec's name and a zero byte; 1 byte each: rows, columns or leafs, arity, bytes of index; the index, the payload
 #include <algorithm>
@@ -29,6 +30,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const VisibilityMatrix matrix = codec.decode(rest.subspan(index.size()), index, shape, &tree);
     if (matrix.shape() != shape) std::abort();
+    const auto ours = own_codecs();
+    if (std::none_of(ours.begin(), ours.end(), [&](const Codec& c) { return c.name == codec.name; }))
+      return 0;
     const Encoded again = codec.encode(matrix, &tree);
     if (codec.decode(again.payload, again.index, shape, &tree) != matrix) std::abort();
   } catch (const FormatError&) {
