@@ -5,8 +5,9 @@
 //                 the list: for each number its symbol's code and its raw bits
 //   shared ones   the list alone, gaps (even places) and runs (odd ones) by their tables; model: either table
 //
-// Worst list, without the escape: with its own table 1 + 168 bytes and, where all symbols are as frequent, 8 bits a number; a
-// shared table may have 15 bits for a number that is rare elsewhere. Either way up to 29 raw bits more.
+// Worst list, without the escape: with its own table 169 bytes and 8 bits a number, as a code of equal lengths for all 168
+// symbols would take; a shared table may have 15 bits for a number that is rare elsewhere. Either way up to 29 raw bits
+// more.
 #pragma once
 #include <array>
 #include <cstdint>

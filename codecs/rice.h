@@ -7,8 +7,9 @@
 // The parameters stand in each list, not once a file: in the natural order of a level's cells and faces that is 4 to 7 %
 // smaller, a byte a row included; rows of cities and differences stay within 2 % either way.
 //
-// Worst row, without the escape: k = 0 costs at most x bits a number, and no k is chosen that costs more; so a row takes
-// its columns and 18 bits at most (byte, first number counted from 1, end, padding). Alternating bits come close.
+// Worst row, without the escape: the costs of x with k = 0 and with k = 1, weighed 36 to 31, have a mean of at most 98/67 x
+// for every x, and that at 1 and at 25; so the cheaper k costs no more. Gaps and runs of 42 ones and a 25, over and
+// over, take 98/67 = 1.46 bits a column.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -306,11 +306,29 @@ TEST(WorstRow, OfGammaTakesThreeHalvesOfItsColumnsAndOfDeltaTwice) {
   }
 }
 
-TEST(WorstRow, OfRiceTakesItsColumnsAndEighteenBits) {
+TEST(WorstRow, OfRiceTakes98BitsFor67Columns) {
+  const auto cost = [](std::uint32_t x, unsigned k) {
+    const std::uint32_t quotient = (x - 1) >> k;
+    return quotient < 24 ? quotient + 1 + k : 56;
+  };
+  for (std::uint32_t x = 1; x < 1000; ++x) EXPECT_LE(36 * cost(x, 0) + 31 * cost(x, 1), 98 * x) << x;
+  const auto bound =
+      [](std::uint64_t columns) {  // the first number is counted from 1; parameters, end, padding
+        return 1 + (98 * (columns + 1) / 67 + 1 + 7) / 8;
+      };
   for (const std::uint32_t columns : {17u, 64u, 999u, 8000u}) {
     for (const auto& ids : adversarial_rows(columns))
-      EXPECT_LE(bytes_of_row<RiceCode>(ids), (columns + 18) / 8) << columns;
+      EXPECT_LE(bytes_of_row<RiceCode>(ids), bound(columns)) << columns;
   }
+  std::vector<std::uint32_t> worst;
+  std::uint32_t columns = 0;
+  for (std::uint32_t i = 0; i < 43 * 50; ++i) {
+    const std::uint32_t length = i % 43 == 0 ? 25 : 1;
+    columns += length;
+    for (std::uint32_t j = 0; j < length; ++j) worst.push_back(columns++);
+  }
+  EXPECT_LE(bytes_of_row<RiceCode>(worst), bound(columns));
+  EXPECT_GE(bytes_of_row<RiceCode>(worst), std::size_t{columns} * 98 / 67 / 8);
 }
 
 TEST(WorstRow, OfInterpolativeCodeTakesItsSlackOnceALevel) {
