@@ -1,0 +1,60 @@
+// Rows are read without asking for memory, once the buffers have held the longest one. Every allocation of this program is
+// counted.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "codecs/container.h"
+#include "codecs/row_reader.h"
+#include "tests/codecs/matrices.h"
+
+namespace {
+thread_local std::uint64_t allocations = 0;
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace vismat {
+namespace {
+
+TEST(Allocation, NoneForARow) {
+  const auto matrix = test::random_matrix({300, 2000}, .1, 31);
+  std::size_t codecs = 0;
+  for (const Codec& codec : own_codecs()) {
+    if (codec.open_rows == nullptr) continue;
+    ++codecs;
+    const auto file = write_container(compress(matrix, codec));
+    const RowReader reader(file);
+    RowBuffer<std::uint32_t> ids;
+    RowBuffer<vismat::Run> runs;
+    std::vector<std::uint64_t> bits(32);
+    const auto read_all = [&] {
+      for (std::uint32_t r = 0; r < 300; ++r) {
+        reader.ids(r, ids);
+        reader.runs(r, runs);
+        reader.bits(r, bits);
+      }
+    };
+    const std::uint64_t before = allocations;
+    read_all();
+    EXPECT_GT(allocations, before) << codec.name << ": the buffers themselves are not counted";
+    const std::uint64_t after = allocations;
+    read_all();
+    EXPECT_EQ(allocations, after) << codec.name;
+  }
+  EXPECT_GT(codecs, 10u);
+}
+
+}  // namespace
+}  // namespace vismat
