@@ -100,15 +100,15 @@ Permutation order_of(const VisibilityMatrix& matrix, const std::string& order) {
 // Bytes of the pairs of all lists, each number in 32 bits, through LZW [Welch 1984]: fresh for each list, codes of 9 to 16 bits.
 std::uint64_t lzw_bytes_of_words(const VisibilityMatrix& matrix) {
   std::uint64_t bytes = 0;
-  std::vector<std::uint32_t> numbers;
+  std::vector<std::uint32_t> memory;
   std::unordered_map<std::uint32_t, std::uint32_t> longer;  // entry << 8 | byte -> entry
   for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
-    pairs_of_row(matrix.row(r), numbers);
+    const auto numbers = pairs_of_row(matrix.row(r), memory);
     longer.clear();
     std::uint64_t bits = 0;
     std::optional<std::uint32_t> entry;
     std::uint32_t entries = 256;
-    for (const std::byte b : std::as_bytes(std::span(numbers))) {
+    for (const std::byte b : std::as_bytes(numbers)) {
       const auto byte = std::to_integer<std::uint32_t>(b);
       if (!entry) {
         entry = byte;

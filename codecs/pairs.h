@@ -15,7 +15,9 @@
 //   void read_model(ByteReader&)
 #pragma once
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
@@ -24,29 +26,49 @@
 
 namespace vismat {
 
+/// Bit j: ids[j + 1] does not follow ids[j]; of 65 ids. Written so that compilers make vector code of it.
+inline std::uint64_t breaks_in(const std::uint32_t* ids) {
+  std::array<std::uint8_t, 64> breaks;
+  for (std::size_t j = 0; j < 64; ++j) breaks[j] = ids[j + 1] - ids[j] != 1;
+  std::uint64_t mask = 0;
+  for (std::size_t j = 0; j < 64; j += 8) {
+    std::uint64_t eight;  // bytes of 0 or 1, which a product brings together in its top byte
+    std::memcpy(&eight, breaks.data() + j, 8);
+    mask |= (eight * 0x0102040810204080u >> 56) << j;
+  }
+  return mask;
+}
+
 /// visit(first, count) for each maximal run of consecutive ids.
 template <typename Visit>
 void for_each_run(std::span<const std::uint32_t> ids, const Visit& visit) {
-  constexpr std::size_t stride = 16;
-  for (std::size_t i = 0; i < ids.size();) {
-    const std::uint32_t first = ids[i];
-    std::size_t end = i + 1;
-    while (end + stride <= ids.size() && ids[end + stride - 1] - first == end + stride - 1 - i) end += stride;
-    while (end < ids.size() && ids[end] - first == end - i) ++end;
-    visit(first, static_cast<std::uint32_t>(end - i));
-    i = end;
+  std::size_t begin = 0, i = 0;  // of the run; of what is looked at
+  const auto end_at = [&](std::size_t end) {
+    visit(ids[begin], static_cast<std::uint32_t>(end - begin));
+    begin = end;
+  };
+  for (; i + 65 <= ids.size(); i += 64) {
+    for (std::uint64_t mask = breaks_in(ids.data() + i); mask != 0; mask &= mask - 1)
+      end_at(i + static_cast<std::size_t>(std::countr_zero(mask)) + 1);
   }
+  for (; i + 1 < ids.size(); ++i) {
+    if (ids[i + 1] - ids[i] != 1) end_at(i + 1);
+  }
+  if (!ids.empty()) end_at(ids.size());
 }
 
-/// Replaces `numbers` by the row's pairs.
-inline void pairs_of_row(std::span<const std::uint32_t> ids, std::vector<std::uint32_t>& numbers) {
-  numbers.clear();
-  std::uint32_t counted = 0xffffffff;  // the column up to which all is told: before the first column at first
+/// The row's pairs, in `memory`, which grows to what a row may need and then stays.
+inline std::span<const std::uint32_t> pairs_of_row(std::span<const std::uint32_t> ids,
+                                                   std::vector<std::uint32_t>& memory) {
+  if (memory.size() < 2 * ids.size()) memory.resize(2 * ids.size());
+  std::uint32_t* next = memory.data();
+  std::uint32_t counted = 0xffffffff;  // the column up to which all is told: one before the first at first
   for_each_run(ids, [&](std::uint32_t first, std::uint32_t count) {
-    numbers.push_back(numbers.empty() ? first + 1 : first - counted);
-    numbers.push_back(count);
+    *next++ = first - counted;
+    *next++ = count;
     counted = first + count;
   });
+  return {memory.data(), next};
 }
 
 template <typename Code>
@@ -57,8 +79,7 @@ class PairRows {
     PairRows rows;
     if constexpr (has_model) {
       for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
-        pairs_of_row(matrix.row(r), rows.numbers_);
-        rows.code_.see(rows.numbers_);
+        rows.code_.see(pairs_of_row(matrix.row(r), rows.memory_));
       }
     }
     return rows;
@@ -72,8 +93,7 @@ class PairRows {
     return rows;
   }
   void encode(std::span<const std::uint32_t> ids, std::vector<std::byte>& out) {
-    pairs_of_row(ids, numbers_);
-    code_.put(out, numbers_);
+    code_.put(out, pairs_of_row(ids, memory_));
   }
   template <typename Sink>
   void decode(std::span<const std::byte> bytes, Sink& sink) const {
@@ -97,7 +117,7 @@ class PairRows {
  private:
   static constexpr bool has_model = requires(Code code, ByteReader& in) { code.read_model(in); };
   Code code_;
-  std::vector<std::uint32_t> numbers_;
+  std::vector<std::uint32_t> memory_;
 };
 
 }  // namespace vismat

@@ -251,9 +251,9 @@ TEST(GoldenLists, OfEveryCode) {
 
 template <typename Code>
 std::size_t bytes_of_row(const std::vector<std::uint32_t>& ids) {
-  Numbers numbers;
-  pairs_of_row(ids, numbers);
-  return code_lists<Code>({numbers}).lists[0].size();
+  Numbers memory;
+  const auto numbers = pairs_of_row(ids, memory);
+  return code_lists<Code>({{numbers.begin(), numbers.end()}}).lists[0].size();
 }
 
 std::vector<std::uint32_t> twos(std::uint32_t columns) {  // two zeros, two ones ...
@@ -334,8 +334,8 @@ TEST(WorstRow, OfRiceTakes98BitsFor67Columns) {
 TEST(WorstRow, OfInterpolativeCodeTakesItsSlackOnceALevel) {
   for (const std::uint32_t columns : {17u, 999u, 8000u}) {
     for (const auto& ids : adversarial_rows(columns)) {
-      Numbers numbers;
-      pairs_of_row(ids, numbers);
+      Numbers memory;
+      const auto numbers = pairs_of_row(ids, memory);
       if (numbers.empty()) continue;
       std::uint64_t sum = 0;
       for (const std::uint32_t number : numbers) sum += number;
