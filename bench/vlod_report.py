@@ -149,34 +149,55 @@ def front(table):
     return table.loc[keep]
 
 
-def draw_pareto(results, columns=2):
+def label_apart(axes, labels, size=6.5):
+    """Texts beside their points, moved down until none covers another; labels: (x, y, text, colour). The axes' limits must stand."""
+    points = 72 / axes.figure.dpi
+    placed = []
+    for x, y, text, colour in sorted(labels, key=lambda label: -label[1]):
+        at_x, at_y = axes.transData.transform((x, y)) * points
+        left, width, low = at_x + 4, .62 * size * len(text), at_y + 2
+        while any(left < other + other_width and other < left + width and abs(low - other_low) < size for other, other_width, other_low in placed):
+            low -= 1
+        placed.append((left, width, low))
+        line = dict(arrowstyle="-", linewidth=.4, color=colour, shrinkA=0, shrinkB=2) if at_y - low > size else None
+        axes.annotate(text, (x, y), xytext=(4, low - at_y), textcoords="offset points", fontsize=size, color=colour, arrowprops=line)
+
+
+def draw_pareto(results, columns=2, matrices=None):
+    """A panel a matrix; what decodes at less than a hundredth of the fastest's rate stands at the left edge."""
     table = with_ratios(results.compare)
     table = table[table.decode_s > 0]
-    matrices = list(dict.fromkeys(table.matrix))
-    lines = -(-len(matrices) // columns)
+    matrices = matrices or list(dict.fromkeys(table.matrix))
+    lines, all_labels = -(-len(matrices) // columns), []
     figure, all_axes = plt.subplots(lines, columns, figsize=(7.2 * columns, 5.2 * lines), squeeze=False, layout="constrained")
     for axes, matrix in zip(all_axes.flat, matrices):
         of = table[table.matrix == matrix]
         last = of.order.iloc[-1]
+        of = of.assign(ids_s=of.ids_s.clip(lower=of.ids_s.max() / 100))
         before, after = of[of.order == of.order.iloc[0]].set_index("codec"), of[of.order == last].set_index("codec")
+        labels = []
         for codec, row in after.iterrows():
             rows = not pd.isna(row.row_p50_us)
             colour = GREY if codec in OTHERS else RED if codec.startswith("zach") else BLUE
             if codec in before.index and before.order.iloc[0] != last:
                 axes.plot([before.ids_s[codec] / 1e6, row.ids_s / 1e6], [before.ratio[codec], row.ratio], color=colour, linewidth=.6, alpha=.35, zorder=1)
             axes.plot(row.ids_s / 1e6, row.ratio, marker="o" if rows else "s", markersize=6, color=colour, markerfacecolor=colour if rows else "white", zorder=3)
-            axes.annotate(codec, (row.ids_s / 1e6, row.ratio), xytext=(4, 3), textcoords="offset points", fontsize=6.5, color=colour)
+            labels.append((row.ids_s / 1e6, row.ratio, codec, colour))
         edge = front(after.reset_index())
         axes.step(edge.ids_s / 1e6, edge.ratio, where="pre", color="black", linewidth=1, linestyle=":", zorder=2)
-        axes.set(xscale="log", yscale="log", xlabel="decoded, million visible entries a second", ylabel="times smaller than the bitmap")
+        axes.set(xscale="log", yscale="log", xlabel="decoded, million visible entries a second; the left edge: or fewer", ylabel="times smaller than the bitmap")
         bare(axes)
         axes.grid(alpha=.25)
         plain_ticks(axes.yaxis, "x", (1, 2, 3, 5))
-        plain_ticks(axes.xaxis, "", (1,))
+        plain_ticks(axes.xaxis, "", (1, 2, 5))
+        all_labels.append((axes, labels))
         first = of.iloc[0]
         axes.set_title(f"{matrix}: {first.rows:,} x {first['columns']:,}, {first.ones / first.rows / first['columns']:.1%} visible", fontsize=10, loc="left")
     for axes in all_axes.flat[len(matrices):]:
         axes.set_visible(False)
+    figure.canvas.draw()  # settles the layout
+    for axes, labels in all_labels:
+        label_apart(axes, labels)
     handles = [plt.Line2D([], [], color=BLUE, marker="o", linestyle="", label="ours, any row alone"),
                plt.Line2D([], [], color=RED, marker="s", markerfacecolor="white", linestyle="", label="paper 002's methods, over a tree"),
                plt.Line2D([], [], color=GREY, marker="o", linestyle="", label="others', any row alone"),
@@ -219,7 +240,8 @@ def draw_walk(results, codecs=("delimiter", "pair-lzw", "gzip-rows", "roaring"))
         first = of[of.step <= 200]
         along.fill_between(first.step, first.delimiter, step="mid", color=BLUE, alpha=.8, linewidth=0)
         along.axhline(of.delimiter.mean(), color="black", linewidth=.8, linestyle=":")
-        along.annotate(f"mean of all {len(of):,}: {of.delimiter.mean():,.0f} bytes", (1, of.delimiter.mean()), xytext=(2, 3), textcoords="offset points", fontsize=8)
+        along.annotate(f"mean of all {len(of):,}: {of.delimiter.mean():,.0f} bytes", (1, of.delimiter.mean()), xytext=(2, 3), textcoords="offset points", fontsize=8,
+                       bbox=dict(facecolor="white", edgecolor="none", alpha=.8, pad=1))
         along.set(ylabel="bytes, delimiter code", xlabel="boundary crossed, the first 200", xlim=(0, 200))
         along.set_title(place, fontsize=10, loc="left")
         for codec, colour in zip(codecs, (BLUE, "#ef6c00", GREY, "#558b2f")):
