@@ -41,7 +41,7 @@ struct Options {
 struct Subject {
   std::string matrix, order;
   Dataset data;
-  std::optional<Dataset> nodes;  // for codecs over a tree
+  std::optional<Dataset> nodes;  // for codecs over a tree: its nodes keep their order, rows do not
   std::uint64_t permutation_bytes = 0;
 };
 
@@ -137,16 +137,16 @@ Subject subject_of(const std::filesystem::path& file, const std::string& order, 
     s.data.matrix = std::move(kinds.matrix);
     s.matrix += ", distinct columns";
   }
+  if (s.data.tree) s.nodes = s.data.columns_are_nodes ? s.data : over_nodes(s.data);
   if (order == "best") {
-    const std::uint32_t width = s.data.matrix.shape().columns;
-    const bool nodes = s.data.columns_are_nodes;
-    const Permutation by_columns = nodes ? Permutation::identity(width)
-                                         : best_order(s.data.matrix, {.stages = show_progress}),
+    const Permutation by_columns = best_order(s.data.matrix, {.stages = show_progress}),
                       by_rows = best_order(transpose(s.data.matrix), {.stages = show_progress});
-    s.permutation_bytes += permutation_bytes(rows) + (nodes ? 0 : permutation_bytes(width));
+    s.permutation_bytes += permutation_bytes(rows) + permutation_bytes(by_columns.size());
     s.data = reordered(std::move(s.data), by_rows, by_columns);
+    if (s.nodes)
+      s.nodes =
+          reordered(std::move(*s.nodes), by_rows, Permutation::identity(s.nodes->matrix.shape().columns));
   }
-  if (s.data.tree && !s.data.columns_are_nodes) s.nodes = over_nodes(s.data);
   return s;
 }
 
@@ -241,9 +241,8 @@ void add_compare(CLI::App& app) {
         std::uint64_t done = 0;
         for (const Codec& codec : codecs) {
           progress(done++, codecs.size());
-          if (codec.over_tree && !s.data.tree) continue;
-          const Figures figures =
-              measure(codec, codec.over_tree && s.nodes ? *s.nodes : s.data, options->seconds);
+          if (codec.over_tree && !s.nodes) continue;
+          const Figures figures = measure(codec, codec.over_tree ? *s.nodes : s.data, options->seconds);
           print(s, codec, figures);
           write_csv_line(csv, s, codec, figures);
         }
