@@ -212,7 +212,8 @@ def draw_table_2(results):
     """How much smaller than bit masks each code makes differences, by order."""
     codes = results.codes
     matrices = list(dict.fromkeys(codes.matrix))
-    figure, all_axes = plt.subplots(1, len(matrices), figsize=(4.6 * len(matrices), 5), sharey=True, squeeze=False, layout="constrained")
+    columns, lines = min(3, len(matrices)), -(-len(matrices) // 3)
+    figure, all_axes = plt.subplots(lines, columns, figsize=(4.6 * columns, 5 * lines), sharey=True, squeeze=False, layout="constrained")
     for axes, matrix in zip(all_axes.flat, matrices):
         of = codes[(codes.matrix == matrix) & (codes.code != "bit masks")]
         names = list(dict.fromkeys(of.code))[::-1]
@@ -225,6 +226,8 @@ def draw_table_2(results):
         axes.set_title(f"{matrix}, {of.ones.iloc[0] / of.rows.iloc[0] / of['columns'].iloc[0]:.2%} dense", fontsize=10, loc="left")
         plain_ticks(axes.xaxis, "x", (1, 2, 5))
         bare(axes)
+    for axes in all_axes.flat[len(matrices):]:
+        axes.set_visible(False)
     handles, labels = all_axes.flat[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper center", bbox_to_anchor=(.5, -.01), ncols=5, fontsize=8, frameon=False)
     return figure
@@ -308,7 +311,7 @@ def sections(results):
 def main(out="out", records=None):
     results = load(out)
     charts = {name: (caption, draw(results)) for name, (caption, draw) in CHARTS.items() if name != "walk" or results.walk is not None}
-    tools.write_report(out, "vlod", "differences and rows, compressed", HOW_TO_READ, sections(results), charts, records)
+    tools.write_report(out, "vlod", "Differences and rows, compressed", HOW_TO_READ, sections(results), charts, records)
 
 
 if __name__ == "__main__":
