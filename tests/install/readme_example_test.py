@@ -32,7 +32,7 @@ with tempfile.TemporaryDirectory() as folder:
     (folder / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.23)\nproject(engine CXX)\nset(CMAKE_CXX_STANDARD 20)\n"
         "add_executable(engine engine.cpp headers.cpp)\ntarget_compile_options(engine PRIVATE -Wall -Wextra -Werror)\n" + block("cmake"))
-    run(cmake, "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={folder / 'installed'}")
+    run(cmake, "-G", "Ninja", "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={folder / 'installed'}")
     run(cmake, "--build", folder / "build")
 
     (folder / "tiny.mtx").write_text(
