@@ -4,7 +4,7 @@
 //
 // Each codec that gives rows alone, in each form, warm and cold. Rows come in shuffled order into one buffer, and every
 // row's content is checked within the timed loop (its sum against the row's). Warm: one file, read over and over. Cold:
-// copies of it, together several times the last-level cache, so that a row comes from memory, its index too. The times are
+// copies of it, three times the last-level cache (at most 768 MB), so that a row comes from memory, its index too. The times are
 // the median and the spread of 7 repetitions. open/...: a file of 100 MB in
 // the page cache is mapped, and asked for a row's place in its index.
 //
@@ -102,36 +102,60 @@ std::vector<std::uint64_t> expected_sums(const VisibilityMatrix& matrix) {
 
 std::size_t cache_bytes() {
   const long bytes = sysconf(_SC_LEVEL3_CACHE_SIZE);
-  return bytes > 0 ? static_cast<std::size_t>(bytes) : std::size_t{32} << 20;
+  return std::clamp<std::size_t>(bytes > 0 ? static_cast<std::size_t>(bytes) : 0, 32u << 20, 256u << 20);
 }
 
-template <typename Form>
-void read_rows(benchmark::State& state, const std::vector<std::byte>& file, const Codec& codec,
-               const VisibilityMatrix& matrix, bool cold) {
-  const auto copies = cold ? std::min<std::size_t>(4096, 1 + 3 * cache_bytes() / file.size()) : 1;
-  const std::vector<std::vector<std::byte>> files(copies, file);
-  std::vector<RowReader> readers;
-  for (const auto& copy : files) readers.emplace_back(copy, std::span(&codec, 1));
-  const auto sums = expected_sums<Form>(matrix);
-  const std::uint32_t rows = matrix.shape().rows;
+// A codec's file, once or in enough copies to be cold, and the order in which rows are asked for. Made when it is first
+// needed, as Google Benchmark calls a benchmark several times.
+struct Files {
   struct Visit {
     std::uint32_t copy, row;
   };
+  std::vector<std::vector<std::byte>> bytes;
+  std::vector<RowReader> readers;
   std::vector<Visit> visits;
-  for (std::uint32_t c = 0; c < copies; ++c) {
-    for (std::uint32_t r = 0; r < rows; ++r) visits.push_back({c, r});
+
+  Files(const Codec& codec, const VisibilityMatrix& matrix, bool cold) {
+    const auto file = write_container(compress(matrix, codec));
+    bytes.assign(cold ? std::min<std::size_t>(4096, 1 + 3 * cache_bytes() / file.size()) : 1, file);
+    RowBuffer<std::uint32_t> buffer;
+    for (std::uint32_t c = 0; c < bytes.size(); ++c) {
+      readers.emplace_back(bytes[c], std::span(&codec, 1));
+      for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
+        visits.push_back({c, r});
+        readers[c].row_bytes(r);  // checks its blocks
+      }
+    }
+    Random random(2);
+    for (std::size_t i = visits.size(); i > 1; --i)
+      std::swap(visits[i - 1], visits[random.below(static_cast<std::uint32_t>(i))]);
   }
-  Random random(2);
-  for (std::size_t i = visits.size(); i > 1; --i)
-    std::swap(visits[i - 1], visits[random.below(static_cast<std::uint32_t>(i))]);
+};
+
+// One set of files at a time is kept: the benchmarks of a codec follow one another.
+const Files& files_of(const Codec& codec, const VisibilityMatrix& matrix, bool cold) {
+  static std::unique_ptr<Files> files;
+  static std::string whose;
+  const std::string name = std::string(codec.name) + (cold ? "/cold" : "/warm");
+  if (whose != name) {
+    files.reset();
+    files = std::make_unique<Files>(codec, matrix, cold);
+    whose = name;
+  }
+  return *files;
+}
+
+template <typename Form>
+void read_rows(benchmark::State& state, const Codec& codec, const VisibilityMatrix& matrix, bool cold) {
+  const Files& files = files_of(codec, matrix, cold);
+  const auto sums = expected_sums<Form>(matrix);
   Form form;
   std::uint64_t ids = 0, bytes = 0;
   std::size_t next = 0;
-  for (const Visit visit : visits) form.read(readers[visit.copy], visit.row);  // checks every block
   for (auto _ : state) {
-    const Visit visit = visits[next];
-    next = next + 1 == visits.size() ? 0 : next + 1;
-    if (form.read(readers[visit.copy], visit.row) != sums[visit.row]) {
+    const Files::Visit visit = files.visits[next];
+    next = next + 1 == files.visits.size() ? 0 : next + 1;
+    if (form.read(files.readers[visit.copy], visit.row) != sums[visit.row]) {
       state.SkipWithError("wrong ids");
       break;
     }
@@ -163,26 +187,32 @@ Container large_container(const Codec& codec) {
   return container;
 }
 
-void open_file(benchmark::State& state, const Codec& codec) {
-  const auto path =
+// Gone at the program's end.
+struct LargeFile {
+  std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("vismat-open-" + std::to_string(getpid()) + ".vmat");
-  write_file(path, write_container(large_container(codec)));
+  explicit LargeFile(const Codec& codec) { write_file(path, write_container(large_container(codec))); }
+  ~LargeFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+};
+
+void open_file(benchmark::State& state, const Codec& codec) {
+  static const LargeFile file(codec);
   for (auto _ : state) {
-    const RowReader reader(path, std::span(&codec, 1));
+    const RowReader reader(file.path, std::span(&codec, 1));
     if (reader.row_bytes(4000) != 0) state.SkipWithError("wrong row");
   }
-  state.counters["file_bytes"] = static_cast<double>(std::filesystem::file_size(path));
-  std::filesystem::remove(path);
+  state.counters["file_bytes"] = static_cast<double>(std::filesystem::file_size(file.path));
 }
 
 template <typename Form>
-void register_form(const Codec& codec, const std::vector<std::byte>& file, const VisibilityMatrix& matrix) {
-  for (const bool cold : {false, true}) {
-    const std::string name = std::string(codec.name) + "/" + Form::name + (cold ? "/cold" : "/warm");
-    benchmark::RegisterBenchmark(name.c_str(), [&codec, &file, &matrix, cold](benchmark::State& state) {
-      read_rows<Form>(state, file, codec, matrix, cold);
-    });
-  }
+void register_form(const Codec& codec, const VisibilityMatrix& matrix, bool cold) {
+  const std::string name = std::string(codec.name) + "/" + Form::name + (cold ? "/cold" : "/warm");
+  benchmark::RegisterBenchmark(name.c_str(), [&codec, &matrix, cold](benchmark::State& state) {
+    read_rows<Form>(state, codec, matrix, cold);
+  });
 }
 
 }  // namespace
@@ -203,12 +233,12 @@ int main(int argc, char** argv) {
         count == 2 ? read_dataset(arguments[1]).matrix : differences_like_the_papers();
     std::vector<Codec> codecs = all_codecs();
     std::erase_if(codecs, [](const Codec& codec) { return codec.open_rows == nullptr; });
-    std::vector<std::vector<std::byte>> files;
-    for (const Codec& codec : codecs) files.push_back(write_container(compress(matrix, codec)));
-    for (std::size_t i = 0; i < codecs.size(); ++i) {
-      register_form<Ids>(codecs[i], files[i], matrix);
-      register_form<Runs>(codecs[i], files[i], matrix);
-      register_form<Bits>(codecs[i], files[i], matrix);
+    for (const Codec& codec : codecs) {
+      for (const bool cold : {false, true}) {
+        register_form<Ids>(codec, matrix, cold);
+        register_form<Runs>(codec, matrix, cold);
+        register_form<Bits>(codec, matrix, cold);
+      }
     }
     benchmark::RegisterBenchmark("open/delimiter",
                                  [](benchmark::State& state) { open_file(state, find_codec("delimiter")); });
