@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -34,6 +35,24 @@ inline double wall_seconds() {
 /// its threads.
 inline double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+struct Times {
+  double median = 0, least = 0, most = 0;  // seconds of a pass
+};
+
+/// Three passes of `work` at least, and more for `seconds`; but none after one that took five times that.
+template <typename Work>
+Times time_passes(double seconds, const Work& work) {
+  std::vector<double> times;
+  for (const double begin = wall_seconds(); times.size() < 3 || wall_seconds() - begin < seconds;) {
+    const double start = wall_seconds();
+    work();
+    times.push_back(wall_seconds() - start);
+    if (times.back() > 5 * seconds) break;
+  }
+  std::sort(times.begin(), times.end());
+  return {times[times.size() / 2], times.front(), times.back()};
 }
 
 /// The most memory that this process has held at a time.

@@ -3,7 +3,6 @@
 // Each kind of row stands 256 times in a matrix of 8192 columns (1024 bytes of bitmap a row). What a row cannot take more than is
 // proven where each code is written; codecs with the escape never take more than the bitmap.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <string>
@@ -20,7 +19,6 @@
 namespace {
 
 using namespace vismat;
-using bench::wall_seconds;
 
 constexpr std::uint32_t rows = 256, columns = 8192;
 
@@ -99,14 +97,10 @@ void measure(std::string& csv, double seconds) {
       const auto file = write_container(container);
       const RowReader reader(file, std::span(&codec, 1));
       RowBuffer<std::uint32_t> buffer;
-      std::vector<double> times;
-      for (const double begin = wall_seconds(); times.size() < 3 || wall_seconds() - begin < seconds;) {
-        const double start = wall_seconds();
+      const bench::Times pass = bench::time_passes(seconds, [&] {
         for (std::uint32_t r = 0; r < rows; ++r) reader.ids(r, buffer);
-        times.push_back((wall_seconds() - start) / rows);
-      }
-      std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
-      const double us = 1e6 * times[times.size() / 2];
+      });
+      const double us = 1e6 * pass.median / rows;
       const double bytes = static_cast<double>(container.encoded.payload.size()) / rows;
       const double share = bytes / static_cast<double>(row_bytes_of(columns)),
                    rate = static_cast<double>(matrix.ones()) / rows / us;

@@ -31,7 +31,8 @@
 namespace {
 
 using namespace vismat;
-using bench::wall_seconds;
+using bench::time_passes;
+using bench::Times;
 
 struct Options {
   std::vector<std::filesystem::path> files;
@@ -49,23 +50,6 @@ struct Subject {
   VisibilityMatrix lists;
   std::uint32_t lists_of_difference = 1;
 };
-
-struct Times {
-  double median = 0, least = 0, most = 0;  // seconds of a pass
-};
-
-template <typename Work>
-Times time_passes(double seconds, const Work& work) {
-  std::vector<double> times;
-  for (const double begin = wall_seconds(); times.size() < 3 || wall_seconds() - begin < seconds;) {
-    const double start = wall_seconds();
-    work();
-    times.push_back(wall_seconds() - start);
-    if (times.back() > 5 * seconds) break;
-  }
-  std::sort(times.begin(), times.end());
-  return {times[times.size() / 2], times.front(), times.back()};
-}
 
 // Whole rows, which lead into a cell from outside, are no differences.
 Subject read(const std::filesystem::path& file) {

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -22,9 +21,9 @@
 #include "codecs/row_reader.h"
 #include "layout/best_order.h"
 #include "layout/distinct_columns.h"
+#include "layout/random_order.h"
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
-#include "matrix/random.h"
 
 namespace vismat::cli {
 namespace {
@@ -82,12 +81,12 @@ void measure_rows(const RowReader& reader, const VisibilityMatrix& matrix, doubl
     for (std::uint32_t r = 0; r < rows; ++r) reader.ids(r, buffer);
   });
   if (rows == 0) return;
-  std::vector<std::uint32_t> shuffled(rows);
-  std::iota(shuffled.begin(), shuffled.end(), 0u);
-  Random random(1);
-  for (std::uint32_t i = rows; i > 1; --i) std::swap(shuffled[i - 1], shuffled[random.below(i)]);
+  const auto shuffled = random_order(rows, 1).old_of_new();
   std::vector<double> clock(1001), times;
-  for (double& t : clock) t = -(now() - now());
+  for (double& t : clock) {
+    const double start = now();
+    t = now() - start;
+  }
   const double clock_s = at_share(clock, .5);
   const double begin = now();
   for (std::size_t i = 0; times.size() < 20 || (times.size() < 100000 && now() - begin < seconds); ++i) {

@@ -88,10 +88,6 @@ AnsTable AnsTable::read(ByteReader& in) {
   return AnsTable(shares);
 }
 
-void AnsCode::see(std::span<const std::uint32_t> numbers) {
-  for (std::size_t i = 0; i < numbers.size(); ++i) ++counts_[i % 2][symbol_of_length(numbers[i]).symbol];
-}
-
 void AnsCode::write_model(std::vector<std::byte>& out) {
   for (std::size_t which = 0; which < 2; ++which) {
     tables_[which] = AnsTable::from_counts(counts_[which]);

@@ -33,7 +33,7 @@ class AnsTable {
  public:
   static constexpr unsigned state_bits = 11;
   static constexpr std::uint32_t states = 1u << state_bits;
-  using Counts = std::array<std::uint64_t, LengthSymbol::count>;
+  using Counts = SymbolCounts::value_type;
 
   AnsTable() : AnsTable(Shares{}) {}
   /// Shares in proportion to the counts, at least 1 where a symbol occurs.
@@ -78,7 +78,7 @@ class AnsTable {
 /// A code for PairRows (pairs.h), with a model.
 class AnsCode {
  public:
-  void see(std::span<const std::uint32_t> numbers);
+  void see(std::span<const std::uint32_t> numbers) { count_symbols(numbers, counts_); }
   void write_model(std::vector<std::byte>& out);
   void read_model(ByteReader& in);
   /// Appends a list that was seen, or one of the same symbols.
@@ -95,7 +95,7 @@ class AnsCode {
   };
 
  private:
-  std::array<AnsTable::Counts, 2> counts_{};
+  SymbolCounts counts_{};
   std::array<AnsTable, 2> tables_;
   std::vector<AnsTable::Bits> steps_of_list_;
 };

@@ -7,7 +7,7 @@
 
 namespace vismat {
 
-/// Whole-file compressors over the byte-aligned bitmap.
+/// Whole-file compressors over the byte-aligned bitmap, and what gives rows alone.
 std::span<const Codec> baseline_codecs();
 
 /// Plain codecs, then baselines, then the paper's methods: the order of tables.

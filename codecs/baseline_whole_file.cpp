@@ -252,25 +252,15 @@ VisibilityMatrix brotli_decode(Bytes payload, Bytes, Shape shape, const ObjectTr
   return matrix_or_refuse(whole, bitmap, shape, "brotli");
 }
 
-constexpr Codec whole_file(std::string_view name, std::string_view contents, decltype(Codec::encode) encode,
-                           decltype(Codec::decode) decode) {
-  Codec codec{};
-  codec.name = name;
-  codec.contents = contents;
-  codec.encode = encode;
-  codec.decode = decode;
-  return codec;
-}
-
 }  // namespace
 
 std::array<Codec, 5> whole_file_baselines() {
   return {
-      whole_file("gzip", "bitmap through gzip -9", gzip_encode, gzip_decode),
-      whole_file("bzip2", "bitmap through bzip2 -9", bzip2_encode, bzip2_decode),
-      whole_file("xz", "bitmap through xz -9e", xz_encode, xz_decode),
-      whole_file("zstd", "bitmap through zstd -19 --long", zstd_encode, zstd_decode),
-      whole_file("brotli", "bitmap through brotli -q 11 --lgwin=24", brotli_encode, brotli_decode),
+      whole_file_codec("gzip", "bitmap through gzip -9", gzip_encode, gzip_decode),
+      whole_file_codec("bzip2", "bitmap through bzip2 -9", bzip2_encode, bzip2_decode),
+      whole_file_codec("xz", "bitmap through xz -9e", xz_encode, xz_decode),
+      whole_file_codec("zstd", "bitmap through zstd -19 --long", zstd_encode, zstd_decode),
+      whole_file_codec("brotli", "bitmap through brotli -q 11 --lgwin=24", brotli_encode, brotli_decode),
   };
 }
 

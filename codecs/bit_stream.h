@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -71,6 +72,23 @@ class BitReader {
   std::uint64_t window_ = 0;
   unsigned held_ = 0;
 };
+
+/// Of eight bytes of 0 or 1 the bits, the first lowest: a product moves each to its place in the top byte.
+inline std::uint64_t bits_of_eight(const std::uint8_t* bytes) {
+  std::uint64_t eight;
+  std::memcpy(&eight, bytes, 8);
+  return eight * 0x0102040810204080u >> 56;
+}
+
+/// The 8 bytes from `at` <= bytes.size() on, zeros behind the end.
+inline std::uint64_t word_at(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint64_t word = 0;
+  if (bytes.size() - at >= 8) [[likely]]
+    std::memcpy(&word, bytes.data() + at, 8);
+  else
+    std::memcpy(&word, bytes.data() + at, bytes.size() - at);
+  return word;
+}
 
 inline void put_varint(std::vector<std::byte>& out, std::uint64_t value) {
   for (; value >= 0x80; value >>= 7) out.push_back(static_cast<std::byte>((value & 0x7f) | 0x80));

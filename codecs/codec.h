@@ -44,6 +44,16 @@ struct Codec {
   std::uint32_t rows_per_part = 1;  // rows that share their bytes
 };
 
+constexpr Codec whole_file_codec(std::string_view name, std::string_view contents,
+                                 decltype(Codec::encode) encode, decltype(Codec::decode) decode) {
+  Codec codec{};
+  codec.name = name;
+  codec.contents = contents;
+  codec.encode = encode;
+  codec.decode = decode;
+  return codec;
+}
+
 /// Our own codecs; they need the standard library alone.
 std::span<const Codec> own_codecs();
 

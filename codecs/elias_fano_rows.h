@@ -11,7 +11,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,13 +47,13 @@ struct EliasFanoRows {
 
     std::uint64_t i = 0;
     for (std::size_t at = 0; at < high.size(); at += 8) {
-      std::uint64_t word = load(high, at);
+      std::uint64_t word = word_at(high, at);
       for (; word != 0; word &= word - 1, ++i) {
         if (i == count) in.fail("more ids than the row states");
         const std::uint64_t low =
             low_bits == 0
                 ? 0
-                : lowest_bits(load(bytes, low_begin + i * low_bits / 8) >> (i * low_bits % 8), low_bits);
+                : lowest_bits(word_at(bytes, low_begin + i * low_bits / 8) >> (i * low_bits % 8), low_bits);
         const std::uint64_t id =
             (at * 8 + static_cast<unsigned>(std::countr_zero(word)) - i) << low_bits | low;
         if (id >= columns) in.fail("an id beyond the row's columns");
@@ -62,17 +61,6 @@ struct EliasFanoRows {
       }
     }
     if (i != count) in.fail("fewer ids than the row states");
-  }
-
- private:
-  // The 8 bytes from `at` on, zeros behind the end.
-  static std::uint64_t load(std::span<const std::byte> bytes, std::size_t at) {
-    std::uint64_t word = 0;
-    if (bytes.size() - at >= 8) [[likely]]
-      std::memcpy(&word, bytes.data() + at, 8);
-    else
-      std::memcpy(&word, bytes.data() + at, bytes.size() - at);
-    return word;
   }
 };
 

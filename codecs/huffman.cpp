@@ -9,37 +9,44 @@
 #include <array>
 
 namespace vismat {
-namespace {
-
-// Depth of each leaf in Huffman's tree; `weights` ascend.
-std::vector<unsigned> depths_of_sorted(const std::vector<std::uint64_t>& weights) {
-  const std::size_t leaves = weights.size();
-  std::vector<std::uint64_t> weight(weights);
-  std::vector<std::size_t> parent(2 * leaves - 1);
-  std::size_t leaf = 0, inner = leaves;
-  for (std::size_t made = leaves; made < 2 * leaves - 1; ++made) {
-    std::uint64_t sum = 0;
+// In place [Moffat, Katajainen 1995]. Inner
+// nodes take the places that merged leafs leave, first with their weights, once merged with their parents, then with their
+// depths.
+void huffman_depths(std::span<std::uint64_t> node) {
+  const std::size_t leafs = node.size();
+  std::size_t leaf = 0, inner = 0;
+  for (std::size_t made = 0; made + 1 < leafs; ++made) {
+    std::uint64_t weight = 0;
     for (int pick = 0; pick < 2; ++pick) {
-      const bool take_leaf = leaf < leaves && (inner >= made || weight[leaf] <= weight[inner]);
-      const std::size_t node = take_leaf ? leaf++ : inner++;
-      sum += weight[node];
-      parent[node] = made;
+      if (leaf < leafs && (inner >= made || node[leaf] <= node[inner])) {
+        weight += node[leaf++];
+      } else {
+        weight += node[inner];
+        node[inner++] = made;
+      }
     }
-    weight.push_back(sum);
+    node[made] = weight;
   }
-  std::vector<unsigned> depth(2 * leaves - 1, 0);
-  for (std::size_t node = 2 * leaves - 2; node-- > 0;) depth[node] = depth[parent[node]] + 1;
-  depth.resize(leaves);
-  return depth;
+  node[leafs - 2] = 0;
+  for (std::size_t i = leafs - 2; i-- > 0;) node[i] = node[node[i]] + 1;
+  // Of the 2 i places at depth d, inner nodes take some; leafs, from the heaviest on, the others.
+  std::size_t unread = leafs - 1, to = leafs, places = 1;
+  for (std::uint64_t depth = 0; to > 0; ++depth) {
+    std::size_t inner_here = 0;
+    for (; unread > 0 && node[unread - 1] == depth; --unread) ++inner_here;
+    for (std::size_t i = inner_here; i < places; ++i) node[--to] = depth;
+    places = 2 * inner_here;
+  }
 }
 
-std::uint16_t reversed(std::uint32_t code, unsigned length) {
-  std::uint32_t out = 0;
-  for (unsigned i = 0; i < length; ++i) out |= (code >> i & 1) << (length - 1 - i);
-  return static_cast<std::uint16_t>(out);
+void put_code_lengths(std::vector<std::byte>& out, std::span<const std::uint8_t> lengths) {
+  for (std::size_t s = 0; s < lengths.size();) {
+    std::size_t run = 1;
+    while (run < 16 && s + run < lengths.size() && lengths[s + run] == lengths[s]) ++run;
+    out.push_back(static_cast<std::byte>(lengths[s] | (run - 1) << 4));
+    s += run;
+  }
 }
-
-}  // namespace
 
 HuffmanCode HuffmanCode::from_frequencies(std::span<const std::uint64_t> frequencies) {
   std::vector<std::uint32_t> used;
@@ -54,10 +61,10 @@ HuffmanCode HuffmanCode::from_frequencies(std::span<const std::uint64_t> frequen
   while (used.size() > 1) {
     std::vector<std::uint64_t> sorted;
     for (const std::uint32_t s : used) sorted.push_back(weight[s]);
-    const auto depths = depths_of_sorted(sorted);
-    if (*std::max_element(depths.begin(), depths.end()) <= longest) {
+    huffman_depths(sorted);
+    if (sorted[0] <= longest_huffman) {
       for (std::size_t i = 0; i < used.size(); ++i)
-        code.lengths_[used[i]] = static_cast<std::uint8_t>(depths[i]);
+        code.lengths_[used[i]] = static_cast<std::uint8_t>(sorted[i]);
       break;
     }
     for (const std::uint32_t s : used) weight[s] = weight[s] / 2 + 1;
@@ -67,10 +74,10 @@ HuffmanCode HuffmanCode::from_frequencies(std::span<const std::uint64_t> frequen
 }
 
 void HuffmanCode::assign_codes() {
-  std::array<std::uint32_t, longest + 1> of_length = {}, next = {};
+  std::array<std::uint32_t, longest_huffman + 1> of_length = {}, next = {};
   for (const unsigned length : lengths_) ++of_length[length];
   of_length[0] = 0;  // symbols without a code take none
-  for (unsigned length = 1; length <= longest; ++length)
+  for (unsigned length = 1; length <= longest_huffman; ++length)
     next[length] = (next[length - 1] + of_length[length - 1]) << 1;
   width_ = *std::max_element(lengths_.begin(), lengths_.end());
   codes_.assign(lengths_.size(), 0);
@@ -78,7 +85,7 @@ void HuffmanCode::assign_codes() {
   for (std::uint32_t s = 0; s < lengths_.size(); ++s) {
     const unsigned length = lengths_[s];
     if (length == 0) continue;
-    codes_[s] = reversed(next[length]++, length);
+    codes_[s] = static_cast<std::uint16_t>(reversed_code(next[length]++, length));
     for (std::size_t i = codes_[s]; i < table_.size(); i += std::size_t{1} << length)
       table_[i] = s << 4 | length;
   }
@@ -92,26 +99,14 @@ std::uint32_t HuffmanCode::get(BitReader& in) const {
 }
 
 void HuffmanCode::write(std::vector<std::byte>& out) const {
-  for (std::size_t s = 0; s < lengths_.size();) {
-    std::size_t run = 1;
-    while (run < 16 && s + run < lengths_.size() && lengths_[s + run] == lengths_[s]) ++run;
-    out.push_back(static_cast<std::byte>(lengths_[s] | (run - 1) << 4));
-    s += run;
-  }
+  put_code_lengths(out, lengths_);
 }
 
 HuffmanCode HuffmanCode::read(ByteReader& in, std::uint32_t symbols) {
   HuffmanCode code;
-  std::uint32_t space = 0, used = 0;  // of 2^15 codes
-  while (code.lengths_.size() < symbols) {
-    const auto byte = in.number<std::uint8_t>();
-    const unsigned length = byte & 15, run = (byte >> 4) + 1u;
-    if (code.lengths_.size() + run > symbols) in.fail("more Huffman code lengths than symbols");
+  read_code_lengths(in, symbols, [&](std::uint32_t, unsigned run, unsigned length) {
     code.lengths_.insert(code.lengths_.end(), run, static_cast<std::uint8_t>(length));
-    if (length > 0) space += run << (longest - length), used += run;
-    if (space > std::uint32_t{1} << longest) in.fail("Huffman code lengths claim more codes than there are");
-  }
-  if (used > 1 && space != std::uint32_t{1} << longest) in.fail("the Huffman code is incomplete");
+  });
   code.assign_codes();
   return code;
 }

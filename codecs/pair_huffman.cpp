@@ -4,49 +4,6 @@
 #include <utility>
 
 namespace vismat {
-namespace {
-
-// The low `count` bits in the other order.
-constexpr unsigned reversed(unsigned bits, unsigned count) {
-  bits = (bits & 0x5555) << 1 | (bits >> 1 & 0x5555);
-  bits = (bits & 0x3333) << 2 | (bits >> 2 & 0x3333);
-  bits = (bits & 0x0f0f) << 4 | (bits >> 4 & 0x0f0f);
-  bits = (bits & 0x00ff) << 8 | bits >> 8;
-  return bits >> (16 - count);
-}
-
-// Turns weights, which ascend, into the depths of their leafs in Huffman's tree: in place [Moffat, Katajainen 1995]. Inner
-// nodes take the places that merged leafs leave, first with their weights, once merged with their parents, then with their
-// depths.
-void depths_of_sorted(std::span<std::uint64_t> node) {
-  const std::size_t leafs = node.size();
-  std::size_t leaf = 0, inner = 0;
-  for (std::size_t made = 0; made + 1 < leafs; ++made) {
-    std::uint64_t weight = 0;
-    for (int pick = 0; pick < 2; ++pick) {
-      if (leaf < leafs && (inner >= made || node[leaf] <= node[inner])) {
-        weight += node[leaf++];
-      } else {
-        weight += node[inner];
-        node[inner++] = made;
-      }
-    }
-    node[made] = weight;
-  }
-  node[leafs - 2] = 0;
-  for (std::size_t i = leafs - 2; i-- > 0;) node[i] = node[node[i]] + 1;
-  // Of the 2 i places at depth d, inner nodes take some; leafs, from the heaviest on, the others.
-  std::size_t unread = leafs - 1, to = leafs, places = 1;
-  for (std::uint64_t depth = 0; to > 0; ++depth) {
-    std::size_t inner_here = 0;
-    for (; unread > 0 && node[unread - 1] == depth; --unread) ++inner_here;
-    for (std::size_t i = inner_here; i < places; ++i) node[--to] = depth;
-    places = 2 * inner_here;
-  }
-}
-
-}  // namespace
-
 void HuffmanTable::write(std::vector<std::byte>& out, std::span<const std::uint64_t> counts) {
   std::array<std::uint64_t, LengthSymbol::count> sorted, depths;  // sorted: count << 8 | symbol
   std::size_t used = 0;
@@ -58,44 +15,31 @@ void HuffmanTable::write(std::vector<std::byte>& out, std::span<const std::uint6
   if (used == 1) lengths[sorted[0] & 0xff] = 1;
   for (unsigned halvings = 0; used > 1; ++halvings) {  // until no code is too long
     for (std::size_t i = 0; i < used; ++i) depths[i] = (((sorted[i] >> 8) - 1) >> halvings) + 1;
-    depths_of_sorted(std::span(depths).first(used));
-    if (depths[0] > longest) continue;
+    huffman_depths(std::span(depths).first(used));
+    if (depths[0] > longest_huffman) continue;
     for (std::size_t i = 0; i < used; ++i) lengths[sorted[i] & 0xff] = static_cast<std::uint8_t>(depths[i]);
     break;
   }
-  for (std::size_t s = 0; s < counts.size();) {
-    std::size_t run = 1;
-    while (run < 16 && s + run < counts.size() && lengths[s + run] == lengths[s]) ++run;
-    out.push_back(static_cast<std::byte>(lengths[s] | (run - 1) << 4));
-    s += run;
-  }
+  put_code_lengths(out, std::span(lengths).first(counts.size()));
 }
 
 HuffmanTable HuffmanTable::read(ByteReader& in, std::uint32_t symbols) {
   HuffmanTable table;
   std::array<Used, LengthSymbol::count> used;
-  std::uint32_t told = 0, space = 0, count = 0;  // space: of 2^15 codes
-  while (told < symbols) {
-    const auto byte = in.number<std::uint8_t>();
-    const unsigned length = byte & 15, run = (byte >> 4) + 1u;
-    if (run > symbols - told) in.fail("more Huffman code lengths than symbols");
-    if (length > 0) {
-      space += run << (longest - length);
-      table.count_[length] = static_cast<std::uint16_t>(table.count_[length] + run);
-      for (std::uint32_t s = told; s < told + run; ++s)
-        used[count++] = {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(length), 0};
-    }
-    told += run;
-    if (space > 1u << longest) in.fail("Huffman code lengths claim more codes than there are");
-  }
-  if (count > 1 && space != 1u << longest) in.fail("the Huffman code is incomplete");
+  std::uint32_t count = 0;
+  read_code_lengths(in, symbols, [&](std::uint32_t first, unsigned run, unsigned length) {
+    if (length == 0) return;
+    table.count_[length] = static_cast<std::uint16_t>(table.count_[length] + run);
+    for (std::uint32_t s = first; s < first + run; ++s)
+      used[count++] = {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(length), 0};
+  });
   table.assign_codes(std::span(used).first(count));
   return table;
 }
 
 void HuffmanTable::assign_codes(std::span<Used> used) {
   unsigned most = 0;
-  for (unsigned length = 1; length <= longest; ++length) {
+  for (unsigned length = 1; length <= longest_huffman; ++length) {
     first_[length] = static_cast<std::uint16_t>((first_[length - 1] + count_[length - 1]) << 1);
     begin_[length] = static_cast<std::uint16_t>(begin_[length - 1] + count_[length - 1]);
     if (count_[length] > 0) most = length;
@@ -107,7 +51,7 @@ void HuffmanTable::assign_codes(std::span<Used> used) {
   for (Used& one : used) {
     const unsigned length = one.length, place = end[length]++;
     by_code_[place] = one.symbol;
-    one.code = static_cast<std::uint16_t>(reversed(first_[length] + place - begin_[length], length));
+    one.code = static_cast<std::uint16_t>(reversed_code(first_[length] + place - begin_[length], length));
     of_symbol_[one.symbol] = one;
     if (length > width_) continue;
     for (std::size_t i = one.code; i < size; i += std::size_t{1} << length)
@@ -117,7 +61,7 @@ void HuffmanTable::assign_codes(std::span<Used> used) {
 
 HuffmanTable::Entry HuffmanTable::find_long(std::uint64_t ahead) const {
   unsigned code = 0;
-  for (unsigned length = 1; length <= longest; ++length, ahead >>= 1) {
+  for (unsigned length = 1; length <= longest_huffman; ++length, ahead >>= 1) {
     code = code << 1 | static_cast<unsigned>(ahead & 1);
     if (code >= first_[length] && code - first_[length] < count_[length])
       return {by_code_[begin_[length] + code - first_[length]], static_cast<std::uint8_t>(length)};
@@ -181,10 +125,6 @@ OwnHuffmanCode::Reader::Reader(const OwnHuffmanCode&, std::span<const std::byte>
 
 std::size_t OwnHuffmanCode::Reader::read(std::span<std::uint32_t> out) {
   return bits_.read(out, [this](ListBits& bits) { return table_.next(bits); });
-}
-
-void SharedHuffmanCode::see(std::span<const std::uint32_t> numbers) {
-  for (std::size_t i = 0; i < numbers.size(); ++i) ++counts_[i % 2][symbol_of_length(numbers[i]).symbol];
 }
 
 void SharedHuffmanCode::write_model(std::vector<std::byte>& out) {

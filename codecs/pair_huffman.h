@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "codecs/huffman.h"
 #include "codecs/list_bits.h"
 #include "codecs/run_length_symbols.h"
 
@@ -23,7 +24,6 @@ namespace vismat {
 /// a microsecond, so that a row may have one.
 class HuffmanTable {
  public:
-  static constexpr unsigned longest = 15;
   HuffmanTable() = default;  // no symbol at all
   /// Writes the lengths of the best code for these counts, as HuffmanCode::write does.
   static void write(std::vector<std::byte>& out, std::span<const std::uint64_t> counts);
@@ -48,7 +48,7 @@ class HuffmanTable {
   unsigned width_ = 0;
   std::array<Entry, 1u << table_bits> table_;  // by the next width_ bits
   // Of each length: its first code, as a number, how many there are, and where in by_code_ their symbols begin.
-  std::array<std::uint16_t, longest + 1> first_{}, count_{}, begin_{};
+  std::array<std::uint16_t, longest_huffman + 1> first_{}, count_{}, begin_{};
   std::array<std::uint8_t, LengthSymbol::count> by_code_;
   std::array<Used, LengthSymbol::count> of_symbol_;
 };
@@ -71,7 +71,7 @@ struct OwnHuffmanCode {
 /// With a model.
 class SharedHuffmanCode {
  public:
-  void see(std::span<const std::uint32_t> numbers);
+  void see(std::span<const std::uint32_t> numbers) { count_symbols(numbers, counts_); }
   void write_model(std::vector<std::byte>& out);
   void read_model(ByteReader& in);
   /// Appends a list that was seen, or one of the same symbols.
@@ -87,7 +87,7 @@ class SharedHuffmanCode {
   };
 
  private:
-  std::array<std::array<std::uint64_t, LengthSymbol::count>, 2> counts_{};
+  SymbolCounts counts_{};
   std::array<HuffmanTable, 2> tables_;
 };
 

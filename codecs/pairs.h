@@ -17,11 +17,11 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "codecs/bit_stream.h"
 #include "codecs/row_codec.h"
 
 namespace vismat {
@@ -31,11 +31,7 @@ inline std::uint64_t breaks_in(const std::uint32_t* ids) {
   std::array<std::uint8_t, 64> breaks;
   for (std::size_t j = 0; j < 64; ++j) breaks[j] = ids[j + 1] - ids[j] != 1;
   std::uint64_t mask = 0;
-  for (std::size_t j = 0; j < 64; j += 8) {
-    std::uint64_t eight;  // bytes of 0 or 1, which a product brings together in its top byte
-    std::memcpy(&eight, breaks.data() + j, 8);
-    mask |= (eight * 0x0102040810204080u >> 56) << j;
-  }
+  for (std::size_t j = 0; j < 64; j += 8) mask |= bits_of_eight(breaks.data() + j) << j;
   return mask;
 }
 

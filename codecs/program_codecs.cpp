@@ -198,19 +198,9 @@ VisibilityMatrix jbig1_decode(Bytes payload, Bytes, Shape shape, const ObjectTre
   return matrix_from_bitmap(std::span(image).subspan(head), shape);
 }
 
-constexpr Codec program_codec(std::string_view name, std::string_view contents,
-                              decltype(Codec::encode) encode, decltype(Codec::decode) decode) {
-  Codec codec{};
-  codec.name = name;
-  codec.contents = contents;
-  codec.encode = encode;
-  codec.decode = decode;
-  return codec;
-}
-
 constexpr std::array table = {
-    program_codec("zpaq", "bitmap through zpaq -method 5", zpaq_encode, zpaq_decode),
-    program_codec("jbig1", "bitmap as an image through pbmtojbg -q", jbig1_encode, jbig1_decode),
+    whole_file_codec("zpaq", "bitmap through zpaq -method 5", zpaq_encode, zpaq_decode),
+    whole_file_codec("jbig1", "bitmap as an image through pbmtojbg -q", jbig1_encode, jbig1_decode),
 };
 
 bool on_path(const std::string& program) {

@@ -15,7 +15,6 @@
 //   void encode_part(const VisibilityMatrix&, std::uint32_t first, std::uint32_t end, std::vector<std::byte>& out)
 //   template <typename Sink> void decode(std::span<const std::byte>, std::uint32_t row_in_part, Sink&) const
 #pragma once
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "codecs/bit_stream.h"
 #include "codecs/codec.h"
 #include "codecs/elias_fano.h"
 #include "codecs/row_sink.h"
@@ -90,11 +90,7 @@ template <typename Sink>
 void get_bitmap_row(std::span<const std::byte> bytes, Sink& sink) {
   std::uint64_t gap = 0;  // zeros since the last one
   for (std::size_t at = 0; at < bytes.size(); at += 8) {
-    std::uint64_t word = 0;
-    if (bytes.size() - at >= 8)
-      std::memcpy(&word, bytes.data() + at, 8);
-    else
-      std::memcpy(&word, bytes.data() + at, bytes.size() - at);
+    std::uint64_t word = word_at(bytes, at);
     unsigned left = 64;  // of the word; what was taken is shifted out
     while (word != 0) {
       const auto zeros = static_cast<unsigned>(std::countr_zero(word));

@@ -5,8 +5,10 @@
 //   length   1 m m r r ... r  (binary, from 65 on: e bits below the leading one, e >= 6)
 //                             symbol 64 + 4 (e - 6) + mm, e - 2 raw bits r
 #pragma once
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <span>
 
 namespace vismat {
 
@@ -22,6 +24,12 @@ inline LengthSymbol symbol_of_length(std::uint32_t length) {
   const auto e = static_cast<unsigned>(std::bit_width(length)) - 1;
   const std::uint32_t below = length - (std::uint32_t{1} << e);
   return {64 + 4 * (e - 6) + (below >> (e - 2)), e - 2, below & ((std::uint32_t{1} << (e - 2)) - 1)};
+}
+
+/// How often each symbol occurs, among a list's numbers at even places and at odd ones.
+using SymbolCounts = std::array<std::array<std::uint64_t, LengthSymbol::count>, 2>;
+inline void count_symbols(std::span<const std::uint32_t> numbers, SymbolCounts& counts) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) ++counts[i % 2][symbol_of_length(numbers[i]).symbol];
 }
 
 inline unsigned raw_bits_of_symbol(std::uint32_t symbol) {

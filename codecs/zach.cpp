@@ -34,14 +34,9 @@ namespace {
 // --- zach0, zach1, zach2: bits
 // ------------------------------------------------------------------------------
 
-// Eight bytes of 0 or 1 become eight bits, the first the lowest: each is moved to the top byte by a product of its own.
 void put_bits(BitWriter& out, std::span<const std::uint8_t> bits) {
   std::size_t i = 0;
-  for (; i + 8 <= bits.size(); i += 8) {
-    std::uint64_t eight;
-    std::memcpy(&eight, bits.data() + i, 8);
-    out.put(eight * 0x0102040810204080u >> 56, 8);
-  }
+  for (; i + 8 <= bits.size(); i += 8) out.put(bits_of_eight(bits.data() + i), 8);
   for (; i < bits.size(); ++i) out.put(bits[i], 1);
 }
 
