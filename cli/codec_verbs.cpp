@@ -17,6 +17,7 @@
 #include "codecs/container.h"
 #include "codecs/pairs.h"
 #include "codecs/row_reader.h"
+#include "codecs/sections.h"
 #include "codecs/tree_coding.h"
 #include "layout/greedy_order.h"
 #include "matrix/atomic_file.h"
@@ -98,8 +99,11 @@ void add_encode(CLI::App& app) {
       data = reordered(std::move(data), order, Permutation::identity(data.matrix.shape().columns));
     }
     Container container = compress(data.matrix, codec, data.tree ? &*data.tree : nullptr);
+    container.row_tree = data.row_tree;
     container.row_order = data.row_order;
     container.column_order = data.column_order;
+    container.row_groups = data.row_groups;
+    container.column_groups = data.column_groups;
     container.boundaries = data.boundaries;
     container.facts = facts_of(data);
     write_file(options->out, write_container(container));
@@ -112,6 +116,8 @@ void add_encode(CLI::App& app) {
     const std::uint64_t orders =
         (data.row_order ? permutation_bytes(rows) : 0) + (data.column_order ? permutation_bytes(columns) : 0);
     if (orders > 0) std::printf("; orders %llu bytes", static_cast<unsigned long long>(orders));
+    const std::size_t groups = group_bytes(data.row_groups).size() + group_bytes(data.column_groups).size();
+    if (groups > 0) std::printf("; groups %zu bytes", groups);
     std::printf("\n");
   });
 }
@@ -134,14 +140,19 @@ void add_decode(CLI::App& app) {
       read_facts(container.facts, data);
       data.matrix = decompress(container, find_codec(container.codec));
       data.tree = container.tree;
+      data.row_tree = container.row_tree;
       data.row_order = container.row_order;
       data.column_order = container.column_order;
+      data.row_groups = container.row_groups;
+      data.column_groups = container.column_groups;
       data.boundaries = container.boundaries;
       if (const std::uint32_t columns = container.shape.columns;
           data.tree ? (data.columns_are_nodes ? data.tree->size() : data.tree->object_count()) != columns
                     : data.columns_are_nodes) {
         throw FormatError("tree section: does not fit the " + std::to_string(columns) + " columns");
       }
+      if (data.row_tree && data.row_tree->object_count() != container.shape.rows)
+        throw FormatError("row tree section: does not fit the " + std::to_string(container.shape.rows) + " rows");
       if (!options->as_stored) data = in_source_order(std::move(data));
       write_dataset(options->out, data);
       std::printf("%s: %u x %u, %llu ones\n", options->out.c_str(), data.matrix.shape().rows,
@@ -168,25 +179,34 @@ void add_row(CLI::App& app) {
   verb->callback([options] {
     const auto codecs = all_codecs();
     const RowReader reader(options->in, codecs);
-    std::uint32_t row = options->row;
-    if (row >= reader.shape().rows) {
-      throw std::invalid_argument(options->in.string() + ": no row " + std::to_string(row) + "; it has " +
-                                  std::to_string(reader.shape().rows));
-    }
-    std::optional<Permutation> rows, columns;
+    std::optional<Permutation> row_order, column_order;
+    std::optional<Partition> row_groups, column_groups;
     if (!options->as_stored) {
-      rows = reader.row_order();
-      columns = reader.column_order();
+      row_order = reader.row_order();
+      column_order = reader.column_order();
+      row_groups = reader.row_groups();
+      column_groups = reader.column_groups();
     }
-    if (rows) row = rows->new_of_old()[row];
+    std::uint32_t row = options->row;
+    if (const std::uint32_t rows = row_groups ? row_groups->size() : reader.shape().rows; row >= rows) {
+      throw std::invalid_argument(options->in.string() + ": no row " + std::to_string(row) + "; it has " +
+                                  std::to_string(rows));
+    }
+    if (row_order) row = row_order->new_of_old()[row];
+    if (row_groups) row = row_groups->group_of_member()[row];
     RowBuffer<std::uint32_t> buffer;
     const auto stored = reader.ids(row, buffer);
     std::vector<std::uint32_t> ids(stored.begin(), stored.end());
-    if (columns) {
-      const auto source_of = columns->old_of_new();
+    if (column_order) {
+      const auto source_of = column_order->old_of_new();
       for (std::uint32_t& id : ids) id = source_of[id];
-      std::sort(ids.begin(), ids.end());
     }
+    if (column_groups) {
+      const VisibilityMatrix members = column_groups->members();
+      ids.clear();
+      for (const std::uint32_t id : stored) ids.insert(ids.end(), members.row(id).begin(), members.row(id).end());
+    }
+    std::sort(ids.begin(), ids.end());
     if (options->runs) {
       for_each_run(ids, [](std::uint32_t first, std::uint32_t count) {
         std::printf("%u %u\n", first, first + count - 1);
@@ -195,7 +215,8 @@ void add_row(CLI::App& app) {
       for (const std::uint32_t id : ids) std::printf("%u\n", id);
     }
     std::fprintf(stderr, "row %u: %zu of %u visible, %llu bytes\n", options->row, ids.size(),
-                 reader.shape().columns, static_cast<unsigned long long>(reader.row_bytes(row)));
+                 column_groups ? column_groups->size() : reader.shape().columns,
+                 static_cast<unsigned long long>(reader.row_bytes(row)));
   });
 }
 

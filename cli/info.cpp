@@ -46,7 +46,7 @@ std::uint32_t distinct_rows(const VisibilityMatrix& matrix) {
   return static_cast<std::uint32_t>(std::unique(rows.begin(), rows.end(), same) - rows.begin());
 }
 
-void print_tree(const ObjectTree& tree) {
+void print_tree(const char* what, const ObjectTree& tree) {
   std::uint32_t leafs = 0, depth = 0, widest = 0;
   std::vector<std::uint32_t> depths(tree.size(), 0);
   for (std::uint32_t node = 0; node < tree.size(); ++node) {
@@ -56,9 +56,13 @@ void print_tree(const ObjectTree& tree) {
     if (node > 0) depths[node] = depths[tree.parent_of_node()[node]] + 1;
     depth = std::max(depth, depths[node]);
   }
-  line("tree", grouped(tree.size()) + " nodes over " + grouped(tree.object_count()) + " objects, " +
-                   grouped(leafs) + " leafs, depth " + std::to_string(depth) + ", at most " +
-                   std::to_string(widest) + " children");
+  line(what, grouped(tree.size()) + " nodes over " + grouped(tree.object_count()) + " objects, " +
+                 grouped(leafs) + " leafs, depth " + std::to_string(depth) + ", at most " +
+                 std::to_string(widest) + " children");
+}
+
+void print_groups(const char* what, const std::optional<Partition>& groups) {
+  if (groups) line(what, grouped(groups->groups()) + " groups of " + grouped(groups->size()) + " of the source");
 }
 
 void print_size(Shape shape, std::uint64_t ones) {
@@ -95,8 +99,11 @@ void print_dataset(const Dataset& dataset) {
                           (dataset.row_order && dataset.column_order ? ", " : "") +
                           (dataset.column_order ? "columns" : ""));
   }
+  print_groups("rows are", dataset.row_groups);
+  print_groups("columns are", dataset.column_groups);
+  if (dataset.row_tree) print_tree("tree over rows", *dataset.row_tree);
   if (!dataset.tree) return line("tree", "none");
-  print_tree(*dataset.tree);
+  print_tree("tree", *dataset.tree);
   if (dataset.columns_are_nodes) line("", "the columns are its nodes");
 }
 
@@ -110,7 +117,7 @@ void print_scene(const SceneFile& file) {
   line("provenance", file.provenance.empty() ? "unknown" : file.provenance);
   line("seed", file.seed ? std::to_string(*file.seed) : "none");
   if (file.tree) {
-    print_tree(*file.tree);
+    print_tree("tree", *file.tree);
   } else {
     line("tree", "none");
   }
@@ -128,11 +135,14 @@ void print_container(const Container& container) {
     return stored ? "stored, " + grouped(permutation_bytes(stored->size())) + " bytes"
                   : std::string("the source's");
   };
-  line("row order", order(container.row_order));
-  line("column order", order(container.column_order));
+  if (!container.row_groups) line("row order", order(container.row_order));
+  if (!container.column_groups) line("column order", order(container.column_order));
   if (!container.boundaries.empty()) line("boundaries", summary_of(container.boundaries));
+  print_groups("rows are", container.row_groups);
+  print_groups("columns are", container.column_groups);
+  if (container.row_tree) print_tree("tree over rows", *container.row_tree);
   if (container.tree) {
-    print_tree(*container.tree);
+    print_tree("tree", *container.tree);
   } else {
     line("tree", "none");
   }

@@ -11,6 +11,7 @@
 
 #include "codecs/codec.h"
 #include "matrix/deltas.h"
+#include "matrix/partition.h"
 #include "matrix/permutation.h"
 
 namespace vismat {
@@ -21,8 +22,11 @@ struct Container {
   std::string codec;
   Encoded encoded;
   std::optional<ObjectTree> tree;  // over the columns; to codecs over a tree the columns are its nodes
-  /// Where the rows and columns of the source stand in this file, if it was reordered (Dataset's row_order, column_order).
+  std::optional<ObjectTree> row_tree;  // its objects are the rows
+  /// Where the rows and columns of the source stand in this file, if it was reordered (Dataset's row_order, column_order), or
+  /// which one stands for them, if they were merged (row_groups, column_groups); of a side at most one of the two.
   std::optional<Permutation> row_order, column_order;
+  std::optional<Partition> row_groups, column_groups;
   /// Between which view cells the rows are differences, as in Deltas; then there are two rows a boundary.
   std::vector<Boundary> boundaries;
   std::string facts;  // what the source file said of the matrix, one `key: value` a line
@@ -46,7 +50,9 @@ VisibilityMatrix decompress(const Container& container, const Codec& codec);
 class ContainerHead {
  public:
   static constexpr std::uint64_t block_bytes = 4096;  // of the body, a checksum each
-  enum Section { facts, tree, row_order, column_order, boundaries, index, payload, sections };
+  enum Section {
+    facts, tree, row_tree, row_order, column_order, row_groups, column_groups, boundaries, index, payload, sections
+  };
 
   /// Checks magic, version, the head's checksum, that the sections fill the file exactly, and the checksum over the blocks'
   /// checksums. O(blocks); reads nothing of the body. Throws FormatError.
@@ -70,9 +76,5 @@ class ContainerHead {
 /// Makes every checksum right in bytes whose head tells sizes that fit the file; other bytes stay as they are. The
 /// writer's last step, and what a fuzzer needs.
 void seal_container(std::span<std::byte> file);
-
-/// Both read a section that was checked; FormatError where it is not what it should be. Empty: none.
-std::optional<Permutation> order_from_bytes(std::span<const std::byte> bytes, std::uint32_t size);
-std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, std::uint32_t rows);
 
 }  // namespace vismat

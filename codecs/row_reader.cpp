@@ -15,6 +15,7 @@
 
 #include "codecs/container.h"
 #include "codecs/row_codec.h"
+#include "codecs/sections.h"
 
 namespace vismat {
 namespace {
@@ -187,6 +188,16 @@ std::optional<Permutation> RowReader::row_order() const {
 std::optional<Permutation> RowReader::column_order() const {
   return open_->naming([&] {
     return order_from_bytes(open_->check(open_->head.section(ContainerHead::column_order)), shape().columns);
+  });
+}
+std::optional<Partition> RowReader::row_groups() const {
+  return open_->naming([&] {
+    return groups_from_bytes(open_->check(open_->head.section(ContainerHead::row_groups)), shape().rows);
+  });
+}
+std::optional<Partition> RowReader::column_groups() const {
+  return open_->naming([&] {
+    return groups_from_bytes(open_->check(open_->head.section(ContainerHead::column_groups)), shape().columns);
   });
 }
 

@@ -12,6 +12,7 @@
 #include "codecs/codec.h"
 #include "codecs/row_sink.h"
 #include "matrix/deltas.h"
+#include "matrix/partition.h"
 #include "matrix/permutation.h"
 
 namespace vismat {
@@ -51,6 +52,9 @@ class RowReader {
   /// Where the source's rows and columns stand in the file; nullopt where they were not reordered. Read anew at each call.
   std::optional<Permutation> row_order() const;
   std::optional<Permutation> column_order() const;
+  /// Which row or column of the file stands for each of the source's; nullopt where none were merged. Read anew at each call.
+  std::optional<Partition> row_groups() const;
+  std::optional<Partition> column_groups() const;
   /// Between which view cells the rows are differences (Deltas in matrix/deltas.h); empty where rows are view cells.
   std::vector<Boundary> boundaries() const;
 

@@ -331,11 +331,32 @@ std::optional<Permutation> read_order(const Hdf5File& file, const std::string& n
   }
 }
 
+std::optional<Partition> read_groups(const Hdf5File& file, const std::string& name, std::uint32_t groups,
+                                     const std::string& order) {
+  if (!file.contains(name)) return std::nullopt;
+  if (file.contains(order)) fail(name, "stands beside " + order + "; the groups tell the order too");
+  try {
+    auto partition = Partition::from_group_of_member(file.read<std::uint32_t>(name));
+    if (partition.groups() != groups) {
+      fail(name, "has " + std::to_string(partition.groups()) + " groups, but there are " +
+                     std::to_string(groups) + " rows or columns");
+    }
+    return partition;
+  } catch (const std::invalid_argument& error) {
+    fail(name, error.what());
+  }
+}
+
+void write_groups(Hdf5File& file, const std::string& name, const std::optional<Partition>& groups) {
+  if (groups) file.write(name, groups->group_of_member(), {groups->size()});
+}
+
 void write_order(Hdf5File& file, const std::string& name, const std::optional<Permutation>& order) {
   if (order) file.write(name, order->new_of_old(), {order->size()});
 }
 
-const std::string neighbours_group = "/vismat/row_neighbours", tree_group = "/vismat/tree";
+const std::string neighbours_group = "/vismat/row_neighbours", tree_group = "/vismat/tree",
+                  row_tree_group = "/vismat/row_tree";
 
 std::optional<VisibilityMatrix> read_neighbours(const Hdf5File& file, std::uint32_t rows) {
   if (!file.contains(neighbours_group)) return std::nullopt;
@@ -374,21 +395,33 @@ void write_boundaries(Hdf5File& file, const std::vector<Boundary>& boundaries) {
   file.write<std::uint32_t>("/vismat/boundaries", cells, {boundaries.size(), 2});
 }
 
-std::optional<ObjectTree> read_tree(const Hdf5File& file) {
-  if (!file.contains(tree_group)) return std::nullopt;
-  const auto objects = file.number_attribute(tree_group, "object_count");
+std::optional<ObjectTree> read_tree(const Hdf5File& file, const std::string& group) {
+  if (!file.contains(group)) return std::nullopt;
+  const auto objects = file.number_attribute(group, "object_count");
   if (!objects || *objects >= ObjectTree::none)
-    fail(tree_group, "needs an attribute object_count below 2^32 - 1");
+    fail(group, "needs an attribute object_count below 2^32 - 1");
   try {
-    return ObjectTree::from_parents(file.read<std::uint32_t>(tree_group + "/parent"),
-                                    file.read<std::uint32_t>(tree_group + "/object"),
+    return ObjectTree::from_parents(file.read<std::uint32_t>(group + "/parent"),
+                                    file.read<std::uint32_t>(group + "/object"),
                                     static_cast<std::uint32_t>(*objects));
   } catch (const std::invalid_argument& error) {
-    fail(tree_group, error.what());
+    fail(group, error.what());
   }
 }
 
-void check_tree(const Dataset& dataset) {
+void write_tree(Hdf5File& file, const std::string& group, const std::optional<ObjectTree>& tree) {
+  if (!tree) return;
+  file.write(group + "/parent", tree->parent_of_node(), {tree->size()});
+  file.write(group + "/object", tree->object_of_node(), {tree->size()});
+  file.write_attribute(group, "object_count", tree->object_count());
+}
+
+void check_trees(const Dataset& dataset) {
+  if (const std::uint32_t rows = dataset.matrix.shape().rows;
+      dataset.row_tree && dataset.row_tree->object_count() != rows) {
+    fail(row_tree_group, "has " + std::to_string(dataset.row_tree->object_count()) +
+                             " objects, but there are " + std::to_string(rows) + " rows");
+  }
   const std::uint32_t columns = dataset.matrix.shape().columns;
   if (!dataset.tree) {
     if (dataset.columns_are_nodes)
@@ -435,8 +468,12 @@ Dataset read_binsparse(const Hdf5File& file) {
   dataset.column_order = read_order(file, "/vismat/column_order", shape.columns);
   dataset.row_neighbours = read_neighbours(file, shape.rows);
   dataset.boundaries = read_boundaries(file, shape.rows);
-  dataset.tree = read_tree(file);
-  check_tree(dataset);
+  dataset.row_groups = read_groups(file, "/vismat/row_groups", shape.rows, "/vismat/row_order");
+  dataset.column_groups =
+      read_groups(file, "/vismat/column_groups", shape.columns, "/vismat/column_order");
+  dataset.tree = read_tree(file, tree_group);
+  dataset.row_tree = read_tree(file, row_tree_group);
+  check_trees(dataset);
   return dataset;
 }
 
@@ -468,17 +505,16 @@ void write_binsparse(Hdf5File& file, const Dataset& dataset) {
   write_boxes(file, "/vismat/column_bounds", dataset.column_bounds);
   write_order(file, "/vismat/row_order", dataset.row_order);
   write_order(file, "/vismat/column_order", dataset.column_order);
+  write_groups(file, "/vismat/row_groups", dataset.row_groups);
+  write_groups(file, "/vismat/column_groups", dataset.column_groups);
   if (dataset.row_neighbours) {
     const VisibilityMatrix& neighbours = *dataset.row_neighbours;
     file.write(neighbours_group + "/pointers_to_1", neighbours.offsets(), {neighbours.offsets().size()});
     file.write(neighbours_group + "/indices_1", neighbours.ids(), {neighbours.ones()});
   }
   write_boundaries(file, dataset.boundaries);
-  if (dataset.tree) {
-    file.write(tree_group + "/parent", dataset.tree->parent_of_node(), {dataset.tree->size()});
-    file.write(tree_group + "/object", dataset.tree->object_of_node(), {dataset.tree->size()});
-    file.write_attribute(tree_group, "object_count", dataset.tree->object_count());
-  }
+  write_tree(file, tree_group, dataset.tree);
+  write_tree(file, row_tree_group, dataset.row_tree);
 }
 
 }  // namespace vismat

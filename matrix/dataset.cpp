@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 
 #include "matrix/atomic_file.h"
@@ -62,6 +63,49 @@ ObjectTree with_objects_moved(const ObjectTree& tree, const Permutation& order) 
     if (object != ObjectTree::none) object = order.new_of_old()[object];
   }
   return ObjectTree::from_parents(std::move(parents), std::move(objects), tree.object_count());
+}
+
+// Boxes around each group's.
+std::vector<Box> merged_boxes(const std::vector<Box>& boxes, const Partition& groups) {
+  if (boxes.empty()) return {};
+  constexpr float far = std::numeric_limits<float>::infinity();
+  std::vector<Box> result(groups.groups(), {{far, far, far}, {-far, -far, -far}});
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    Box& whole = result[groups.group_of_member()[i]];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      whole.low[axis] = std::min(whole.low[axis], boxes[i].low[axis]);
+      whole.high[axis] = std::max(whole.high[axis], boxes[i].high[axis]);
+    }
+  }
+  return result;
+}
+
+// Groups touch where members do; none is its own neighbour.
+VisibilityMatrix merged_neighbours(const VisibilityMatrix& neighbours, const Partition& groups) {
+  const VisibilityMatrix whole = merge_columns(merge_rows(neighbours, groups), groups);
+  std::vector<std::vector<std::uint32_t>> rows(groups.groups());
+  for (std::uint32_t g = 0; g < groups.groups(); ++g) {
+    rows[g].assign(whole.row(g).begin(), whole.row(g).end());
+    std::erase(rows[g], g);
+  }
+  return VisibilityMatrix::from_rows(rows, groups.groups());
+}
+
+ObjectTree with_objects_merged(const ObjectTree& tree, const Partition& groups) {
+  std::vector<std::uint32_t> objects(tree.object_of_node().begin(), tree.object_of_node().end());
+  for (std::uint32_t& object : objects) {
+    if (object != ObjectTree::none) object = groups.group_of_member()[object];
+  }
+  return ObjectTree::from_parents({tree.parent_of_node().begin(), tree.parent_of_node().end()},
+                                  std::move(objects), groups.groups());
+}
+
+// From the source's numbers to the groups of what stands there now.
+Partition from_source(const std::optional<Partition>& groups, const std::optional<Permutation>& order,
+                      const Partition& then) {
+  if (groups) return followed_by(*groups, then);
+  if (!order) return then;
+  return followed_by(renumbered(Partition::identity(order->size()), *order), then);
 }
 
 Permutation followed_by(const std::optional<Permutation>& first, const Permutation& then) {
@@ -123,6 +167,7 @@ Dataset over_nodes(const Dataset& objects) {
   nodes.columns_are = "node";
   nodes.columns_are_nodes = true;
   nodes.column_order.reset();
+  nodes.column_groups.reset();
   nodes.column_bounds = node_bounds(*objects.tree, objects.column_bounds);
   return nodes;
 }
@@ -138,9 +183,17 @@ Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& c
         dataset.columns_are_nodes ? std::nullopt : std::optional(with_objects_moved(*dataset.tree, columns));
     dataset.columns_are_nodes = false;
   }
-  if (dataset.row_order || !rows.is_identity()) dataset.row_order = followed_by(dataset.row_order, rows);
-  if (dataset.column_order || !columns.is_identity())
+  if (dataset.row_tree && !rows.is_identity()) dataset.row_tree = with_objects_moved(*dataset.row_tree, rows);
+  if (dataset.row_groups) {
+    dataset.row_groups = renumbered(*dataset.row_groups, rows);
+  } else if (dataset.row_order || !rows.is_identity()) {
+    dataset.row_order = followed_by(dataset.row_order, rows);
+  }
+  if (dataset.column_groups) {
+    dataset.column_groups = renumbered(*dataset.column_groups, columns);
+  } else if (dataset.column_order || !columns.is_identity()) {
     dataset.column_order = followed_by(dataset.column_order, columns);
+  }
   return dataset;
 }
 
@@ -152,6 +205,50 @@ Dataset in_source_order(Dataset dataset) {
   dataset.row_order.reset();
   dataset.column_order.reset();
   return dataset;
+}
+
+Dataset merged(Dataset dataset, const std::optional<Partition>& rows, const std::optional<Partition>& columns) {
+  assert(dataset.boundaries.empty());
+  if (rows) {
+    dataset.matrix = merge_rows(dataset.matrix, *rows);
+    dataset.row_bounds = merged_boxes(dataset.row_bounds, *rows);
+    if (dataset.row_neighbours) dataset.row_neighbours = merged_neighbours(*dataset.row_neighbours, *rows);
+    dataset.row_groups = from_source(dataset.row_groups, dataset.row_order, *rows);
+    dataset.row_order.reset();
+    dataset.row_tree.reset();
+  }
+  if (columns) {
+    dataset.matrix = merge_columns(dataset.matrix, *columns);
+    dataset.column_bounds = merged_boxes(dataset.column_bounds, *columns);
+    dataset.column_groups = from_source(dataset.column_groups, dataset.column_order, *columns);
+    dataset.column_order.reset();
+    if (dataset.columns_are_nodes) {
+      dataset.tree.reset();
+    } else if (dataset.tree) {
+      dataset.tree = with_objects_merged(*dataset.tree, *columns);
+    }
+    dataset.columns_are_nodes = false;
+  }
+  if (dataset.guarantee == Guarantee::exact) dataset.guarantee = Guarantee::conservative;
+  if (dataset.guarantee == Guarantee::aggressive) dataset.guarantee = Guarantee::unknown;
+  return dataset;
+}
+
+Dataset in_source_numbers(Dataset dataset) {
+  if (dataset.row_groups) {
+    dataset.matrix = expand_rows(dataset.matrix, *dataset.row_groups);
+    dataset.row_groups.reset();
+    dataset.row_bounds.clear();
+    dataset.row_neighbours.reset();
+    dataset.row_tree.reset();
+  }
+  if (dataset.column_groups) {
+    dataset.matrix = expand_columns(dataset.matrix, *dataset.column_groups);
+    dataset.column_groups.reset();
+    dataset.column_bounds.clear();
+    dataset.tree.reset();
+  }
+  return in_source_order(std::move(dataset));
 }
 
 }  // namespace vismat

@@ -11,6 +11,7 @@
 
 #include "matrix/deltas.h"
 #include "matrix/object_tree.h"
+#include "matrix/partition.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 
@@ -45,8 +46,13 @@ struct Dataset {
   /// column is a node of it instead (size() == columns) and the matrix is monotone over the tree.
   std::optional<ObjectTree> tree;
   bool columns_are_nodes = false;
+  /// A hierarchy over the rows: its leafs name them as objects (object_count() == rows).
+  std::optional<ObjectTree> row_tree;
   /// Where the rows and columns of the source stand now, if they were reordered: new_of_old() leads from its numbers.
   std::optional<Permutation> row_order, column_order;
+  /// If rows or columns were merged: which one stands now for each of the source's. It tells of a later order too, so there
+  /// is no row_order beside row_groups.
+  std::optional<Partition> row_groups, column_groups;
   bool operator==(const Dataset&) const = default;
 };
 
@@ -61,11 +67,19 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 /// boxes are known, is the least around its objects. Needs a tree and columns that are objects.
 Dataset over_nodes(const Dataset& objects);
 
-/// Rows and columns in a new order, with all that goes by them: boxes, neighbours, the objects in the tree; row_order and
-/// column_order lead from the source's numbers to the present ones. A tree whose nodes are the columns cannot follow another
-/// order of columns and is left out, boundaries another order of rows.
+/// Rows and columns in a new order, with all that goes by them: boxes, neighbours, the objects in the trees; row_order and
+/// column_order, or the groups, lead from the source's numbers to the present ones. A tree whose nodes are the columns cannot
+/// follow another order of columns and is left out, boundaries another order of rows.
 Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& columns);
 /// Undoes what row_order and column_order tell, and is without them.
 Dataset in_source_order(Dataset dataset);
+
+/// Rows and columns merged into the groups' unions, with boxes around the members' and what else goes by them; an absent
+/// partition leaves its side as it is. What was exact becomes conservative, what was aggressive unknown. A tree over merged
+/// rows, or whose nodes are merged columns, is left out; objects in a tree follow. Needs a dataset without boundaries.
+Dataset merged(Dataset dataset, const std::optional<Partition>& rows, const std::optional<Partition>& columns);
+/// The matrix in the source's numbers: each of its rows and columns as its group. Geometry and trees of a merged side are left
+/// out.
+Dataset in_source_numbers(Dataset dataset);
 
 }  // namespace vismat

@@ -25,18 +25,20 @@ def bits_of(data):
 class File:
     def __init__(self, data):
         magic, version, self.rows, self.columns, self.ones = struct.unpack_from("<8sIIIQ", data)
-        assert magic == bytes.fromhex("89564d41540d0a1a") and version == 2
+        assert magic == bytes.fromhex("89564d41540d0a1a") and version == 3
         self.codec = data[28:60].rstrip(b"\0").decode()
-        sizes = struct.unpack_from("<7Q", data, 60)
-        of_sums, of_head = struct.unpack_from("<2I", data, 116)
-        assert zlib.crc32(data[:120]) == of_head
+        sizes = struct.unpack_from("<10Q", data, 60)
+        of_sums, of_head = struct.unpack_from("<2I", data, 140)
+        assert zlib.crc32(data[:144]) == of_head
         blocks = -(-sum(sizes) // 4096)
-        sums, body = data[124:124 + 4 * blocks], data[124 + 4 * blocks:]
+        sums, body = data[148:148 + 4 * blocks], data[148 + 4 * blocks:]
         assert len(body) == sum(sizes) and zlib.crc32(sums) == of_sums
         for block in range(blocks):
             assert zlib.crc32(body[4096 * block:4096 * (block + 1)]) == struct.unpack_from("<I", sums, 4 * block)[0]
         self.sections = {}
-        for name, size in zip(("facts", "tree", "row order", "column order", "boundaries", "index", "payload"), sizes):
+        names = ("facts", "tree", "row tree", "row order", "column order", "row groups", "column groups", "boundaries",
+                 "index", "payload")
+        for name, size in zip(names, sizes):
             self.sections[name], body = body[:size], body[size:]
 
     def places(self):

@@ -32,6 +32,7 @@ Dataset full_dataset() {
   dataset.column_bounds = {{{0, 0, 0}, {1, 2, 3}}, {{5, 5, 5}, {6, 6, 6}}, {{9, 9, 9}, {9, 9, 9}}};
   dataset.row_neighbours = VisibilityMatrix::from_rows({{1}, {0, 2}, {1}}, 3);
   dataset.tree = ObjectTree::from_parents({none, 0, 0, 2, 2}, {none, 0, none, 1, 2}, 3);
+  dataset.row_tree = ObjectTree::from_parents({none, 0, 0, 2, 2}, {none, 2, none, 0, 1}, 3);
   return dataset;
 }
 
@@ -75,6 +76,7 @@ TEST(Dataset, ReorderedMovesAllThatGoesByRowsAndColumns) {
   EXPECT_EQ(after.column_bounds[1], before.column_bounds[0]);
   EXPECT_EQ(*after.row_neighbours, VisibilityMatrix::from_rows({{1, 2}, {0}, {0}}, 3));
   EXPECT_EQ(after.tree->object_of_node()[1], 1u);
+  EXPECT_EQ(after.row_tree->object_of_node()[1], 1u);
   EXPECT_EQ(after.row_order, rows);
 
   // Back again: nothing but the record of having moved is left.
@@ -106,12 +108,46 @@ TEST(Dataset, ReorderedKeepsBoundariesUnlessRowsMove) {
   EXPECT_TRUE(reordered(before, rows, columns).boundaries.empty());
 }
 
+TEST(Dataset, MergedUnitesAllThatGoesByRowsAndColumns) {
+  const Dataset before = full_dataset();
+  const auto pair = Partition::from_group_of_member({0, 1, 0});
+  const Dataset rows = merged(before, pair, {}), columns = merged(before, {}, pair);
+  EXPECT_EQ(rows.matrix, VisibilityMatrix::from_rows({{0, 1, 2}, {}}, 3));
+  EXPECT_EQ(rows.row_bounds[0], (Box{{-3.5f, 0, 0}, {1, 1, 1e9f}}));
+  EXPECT_EQ(*rows.row_neighbours, VisibilityMatrix::from_rows({{1}, {0}}, 2));
+  EXPECT_EQ(rows.tree, before.tree);
+  EXPECT_FALSE(rows.row_tree);
+  EXPECT_EQ(rows.guarantee, Guarantee::unknown);  // it was aggressive, and now invents too
+  EXPECT_EQ(columns.matrix, VisibilityMatrix::from_rows({{0}, {}, {0, 1}}, 2));
+  EXPECT_EQ(columns.tree->object_of_node()[4], 0u);
+  EXPECT_EQ(columns.row_tree, before.row_tree);
+  EXPECT_TRUE(is_monotone(over_nodes(columns).matrix, *columns.tree));
+  EXPECT_FALSE(merged(over_nodes(before), {}, Partition::from_group_of_member({0, 1, 1, 2, 3})).tree);
+  EXPECT_TRUE(merged(over_nodes(before), pair, {}).tree);
+}
+
+// Whatever was done in whatever order, the groups lead from the source's numbers.
+TEST(Dataset, GroupsLeadFromTheSourcesNumbers) {
+  const Dataset source = full_dataset();
+  const auto turn = Permutation::from_new_of_old({2, 0, 1}), swap = Permutation::from_new_of_old({1, 0});
+  const auto pair = Partition::from_group_of_member({0, 1, 1}), other = Partition::from_group_of_member({1, 0, 0});
+  Dataset lossy = reordered(merged(reordered(source, turn, turn), pair, other), swap, swap);
+  EXPECT_FALSE(lossy.row_order || lossy.column_order);
+  const VisibilityMatrix back = in_source_numbers(lossy).matrix;
+  EXPECT_EQ(back, VisibilityMatrix::from_rows({{0, 1, 2}, {}, {0, 1, 2}}, 3));
+  lossy = merged(lossy, Partition::from_group_of_member({0, 0}), {});
+  EXPECT_EQ(lossy.row_groups, Partition::from_group_of_member({0, 0, 0}));
+  EXPECT_EQ(in_source_numbers(reordered(source, turn, turn)).matrix, source.matrix);
+}
+
 TEST(Dataset, KeepsEverythingInBinsparse) {
   const TemporaryFolder folder;
   const auto turned = reordered(full_dataset(), Permutation::from_new_of_old({2, 0, 1}),
                                 Permutation::from_new_of_old({1, 0, 2}));
-  for (const Dataset& dataset :
-       {Dataset{}, full_dataset(), over_nodes(full_dataset()), large_dataset(), turned, differences()}) {
+  const auto groups = merged(full_dataset(), Partition::from_group_of_member({0, 1, 0}),
+                             Partition::from_group_of_member({1, 0, 0}));
+  for (const Dataset& dataset : {Dataset{}, full_dataset(), over_nodes(full_dataset()), large_dataset(), turned,
+                                 groups, differences()}) {
     write_dataset(folder / "a.bsp.h5", dataset);
     EXPECT_EQ(read_dataset(folder / "a.bsp.h5"), dataset);
   }
@@ -125,6 +161,7 @@ TEST(Dataset, KeepsMatrixAndFactsInMatrixMarket) {
   expected.row_bounds = expected.column_bounds = {};
   expected.row_neighbours = std::nullopt;
   expected.tree = std::nullopt;
+  expected.row_tree = std::nullopt;
   EXPECT_EQ(read_dataset(folder / "a.mtx"), expected);
 }
 
