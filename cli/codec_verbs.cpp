@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -12,6 +11,7 @@
 
 #include "cli/progress.h"
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "codecs/baseline_codecs.h"
 #include "codecs/bitmap.h"
 #include "codecs/container.h"
@@ -30,47 +30,6 @@ std::string codec_names() {
   std::string names;
   for (const Codec& codec : all_codecs()) names += (names.empty() ? "" : ", ") + std::string(codec.name);
   return names;
-}
-
-// The facts that Container keeps, a line each; provenance is one line by definition.
-std::string facts_of(const Dataset& data) {
-  std::string facts = "rows_are: " + data.rows_are + "\ncolumns_are: " + data.columns_are + "\n";
-  facts += "guarantee: " + std::string(to_string(data.guarantee)) + "\n";
-  if (data.columns_are_nodes) facts += "columns_are_nodes: yes\n";
-  if (data.seed) facts += "seed: " + std::to_string(*data.seed) + "\n";
-  if (!data.provenance.empty()) facts += "provenance: " + data.provenance + "\n";
-  return facts;
-}
-
-void read_facts(const std::string& facts, Dataset& data) {
-  std::istringstream lines(facts);
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t colon = line.find(": ");
-    if (colon == std::string::npos) throw FormatError("facts: a line without ': '");
-    const std::string key = line.substr(0, colon), value = line.substr(colon + 2);
-    if (key == "rows_are") data.rows_are = value;
-    if (key == "columns_are") data.columns_are = value;
-    if (key == "columns_are_nodes") data.columns_are_nodes = value == "yes";
-    if (key == "provenance") data.provenance = value;
-    try {
-      if (key == "guarantee") data.guarantee = guarantee_from_string(value);
-      if (key == "seed") data.seed = std::stoull(value);
-    } catch (const std::logic_error& error) {
-      throw FormatError("facts: " + key + ": " + error.what());
-    }
-  }
-}
-
-// Calls work with the container of the file; what goes wrong names the file.
-template <typename Work>
-void with_container(const std::filesystem::path& path, const Work& work) {
-  const auto bytes = read_file(path);
-  try {
-    const Container container = read_container(bytes);
-    work(container);
-  } catch (const FormatError& error) {
-    throw FormatError(path.string() + ": " + error.what());
-  }
 }
 
 }  // namespace
@@ -135,29 +94,11 @@ void add_decode(CLI::App& app) {
                  "Leave rows and columns in the order that they were given");
   verb->footer("Example: vismat decode city32.vmat -o city32.mtx");
   verb->callback([options] {
-    with_container(options->in, [&](const Container& container) {
-      Dataset data;
-      read_facts(container.facts, data);
-      data.matrix = decompress(container, find_codec(container.codec));
-      data.tree = container.tree;
-      data.row_tree = container.row_tree;
-      data.row_order = container.row_order;
-      data.column_order = container.column_order;
-      data.row_groups = container.row_groups;
-      data.column_groups = container.column_groups;
-      data.boundaries = container.boundaries;
-      if (const std::uint32_t columns = container.shape.columns;
-          data.tree ? (data.columns_are_nodes ? data.tree->size() : data.tree->object_count()) != columns
-                    : data.columns_are_nodes) {
-        throw FormatError("tree section: does not fit the " + std::to_string(columns) + " columns");
-      }
-      if (data.row_tree && data.row_tree->object_count() != container.shape.rows)
-        throw FormatError("row tree section: does not fit the " + std::to_string(container.shape.rows) + " rows");
-      if (!options->as_stored) data = in_source_order(std::move(data));
-      write_dataset(options->out, data);
-      std::printf("%s: %u x %u, %llu ones\n", options->out.c_str(), data.matrix.shape().rows,
-                  data.matrix.shape().columns, static_cast<unsigned long long>(data.matrix.ones()));
-    });
+    Dataset data = read_vmat(options->in);
+    if (!options->as_stored) data = in_source_order(std::move(data));
+    write_dataset(options->out, data);
+    std::printf("%s: %u x %u, %llu ones\n", options->out.c_str(), data.matrix.shape().rows,
+                data.matrix.shape().columns, static_cast<unsigned long long>(data.matrix.ones()));
   });
 }
 

@@ -34,6 +34,8 @@ int main(int argc, char** argv) {
   add_tree(app);
   add_order(app);
   add_deltas(app);
+  add_merge(app);
+  add_verify(app);
   add_encode(app);
   add_decode(app);
   add_row(app);

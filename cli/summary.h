@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "matrix/deltas.h"
+#include "matrix/loss.h"
 
 namespace vismat::cli {
 
@@ -27,5 +28,8 @@ std::string formatted(const char* format, Values... values) {
 
 /// "6 331 between 2 415 cells, 1 from outside"
 std::string summary_of(std::span<const Boundary> boundaries);
+
+/// What was added, and where most: lines on stdout.
+void print_loss(const Loss& loss);
 
 }  // namespace vismat::cli

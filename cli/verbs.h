@@ -11,6 +11,8 @@ void add_see(CLI::App& app);
 void add_tree(CLI::App& app);
 void add_order(CLI::App& app);
 void add_deltas(CLI::App& app);
+void add_merge(CLI::App& app);
+void add_verify(CLI::App& app);
 void add_encode(CLI::App& app);
 void add_decode(CLI::App& app);
 void add_compare(CLI::App& app);

@@ -1,0 +1,39 @@
+// ALGORITHM [Zach & Karner 2003, 4.1]. Again and again: some seed groups are drawn at random, each finds the group with which it
+// would lose the fewest occlusions, and the best of these pairs becomes one group, until the next one would lose
+// more than is allowed. The paper leaves open how many seeds are drawn; 32 are within 1 % of what any greater number reaches
+// on artificial 1, by fewest groups at equal loss.
+#include "layout/seed_grouping.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "layout/row_groups.h"
+#include "matrix/random.h"
+
+namespace vismat {
+
+Partition group_rows_by_seeds(const VisibilityMatrix& matrix, const GroupingOptions& options, std::uint32_t seeds) {
+  RowGroups groups(matrix, options);
+  Random random(options.seed);
+  std::uint64_t left = options.lost;
+  struct Merge {
+    RowGroups::Pair pair;
+    std::uint32_t seed = RowGroups::none;
+  };
+  while (groups.alive().size() > 1) {
+    if (options.progress) options.progress(options.lost - left, options.lost);
+    Merge best;
+    for (std::uint32_t s = 0; s < seeds; ++s) {
+      const auto alive = groups.alive();
+      const std::uint32_t seed = alive[random.below(static_cast<std::uint32_t>(alive.size()))];
+      const RowGroups::Pair pair = groups.best_partner(seed);
+      if (pair.score < best.pair.score) best = {pair, seed};
+    }
+    if (best.pair.score > left) break;
+    left -= best.pair.score;
+    groups.merge(std::min(best.seed, best.pair.partner), std::max(best.seed, best.pair.partner));
+  }
+  return groups.partition();
+}
+
+}  // namespace vismat
