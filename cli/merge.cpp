@@ -31,6 +31,11 @@ struct Options {
 };
 
 void merge(const Options& options) {
+  const Grouping& grouping = find_grouping(options.method);
+  if (options.out.extension() == ".mtx") {
+    throw std::invalid_argument(options.out.string() +
+                                ": Matrix Market has no place for the map; write .bsp.h5");
+  }
   Dataset data = read_dataset(options.in);
   if (!data.boundaries.empty()) {
     throw std::invalid_argument(options.in.string() +
@@ -44,7 +49,7 @@ void merge(const Options& options) {
   const MergeSide side = options.side == "cells"     ? MergeSide::rows
                            : options.side == "objects" ? MergeSide::columns
                                                        : MergeSide::both;
-  const MergeGroups groups = group_sides(original, side, find_grouping(options.method),
+  const MergeGroups groups = group_sides(original, side, grouping,
                                          {.lost = static_cast<std::uint64_t>(budget),
                                           .lost_in_row = options.max_per_cell,
                                           .seed = options.seed,

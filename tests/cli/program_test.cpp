@@ -77,7 +77,7 @@ std::vector<std::string> verbs() {
 
 TEST(Program, HelpNamesEveryVerb) {
   const std::vector<std::string> expected = {"import", "city",   "generate", "see",  "tree",    "order",
-                                             "deltas", "encode", "decode",   "node", "convert", "info"};
+                                             "deltas", "encode", "decode",   "node", "convert", "info", "merge", "verify"};
   const auto found = verbs();
   for (const std::string& verb : expected)
     EXPECT_NE(std::find(found.begin(), found.end(), verb), found.end()) << verb;
@@ -227,6 +227,67 @@ TEST(Program, RefusesDifferencesThatCannotBe) {
           "damaged.bsp.h5: boundary 0, outside to cell 0: column 7");
   refused({"deltas", "--undo", deltas, "-o", out, "--neighbours", "tree"}, "--neighbours");
   refused({"deltas", in, "-o", out, "--neighbours", "walls"}, "--neighbours");
+}
+
+TEST(Program, MergesAndVerifies) {
+  const TemporaryFolder folder;
+  const std::string in = folder / "in.bsp.h5", merged = folder / "merged.bsp.h5", ordered = folder / "ordered.bsp.h5",
+                    file = folder / "merged.vmat", decoded = folder / "decoded.bsp.h5", all = folder / "all.mtx";
+  const Dataset before = ring_of_clusters(60);
+  write_dataset(in, before);
+  for (const std::string side : {"cells", "objects", "both"}) {
+    const Finished run = vismat_program({"merge", in, "--lost", "0.05", "--side", side, "-o", merged});
+    ASSERT_EQ(run.code(), 0) << run.error;
+    ASSERT_EQ(vismat_program({"order", merged, "--columns", "best", "--rows", "best", "-o", ordered}).code(), 0);
+    ASSERT_EQ(vismat_program({"encode", ordered, "-o", file}).code(), 0);
+    ASSERT_EQ(vismat_program({"decode", file, "-o", decoded}).code(), 0);
+    ASSERT_EQ(vismat_program({"merge", "--expand", decoded, "-o", all}).code(), 0);
+    for (const std::string& lossy : {merged, ordered, file, decoded, all}) {
+      const Finished verified = vismat_program({"verify", lossy, in});
+      EXPECT_EQ(verified.code(), 0) << verified.error;
+      // The same loss, however it is stored, and what merge told.
+      const std::string loss = verified.out.substr(verified.out.find("added"));
+      EXPECT_NE(run.out.find(loss), std::string::npos) << run.out << verified.out;
+    }
+    EXPECT_LT(read_dataset(merged).matrix.ones(), before.matrix.ones());
+    // A row of the file under the source's numbers.
+    const VisibilityMatrix expanded = read_dataset(all).matrix;
+    std::string row;
+    for (const std::uint32_t id : expanded.row(17)) row += std::to_string(id) + "\n";
+    EXPECT_EQ(vismat_program({"row", file, "17"}).out, row);
+    EXPECT_EQ(vismat_program({"row", file, "60"}).code(), 1);
+  }
+}
+
+TEST(Program, VerifyFindsWhatIsHidden) {
+  const TemporaryFolder folder;
+  const Dataset before = ring_of_clusters(60);
+  Dataset hides = before;
+  std::vector<std::vector<std::uint32_t>> rows(60);
+  for (std::uint32_t r = 0; r < 60; ++r) rows[r].assign(before.matrix.row(r).begin(), before.matrix.row(r).end());
+  const std::uint32_t column = rows[31][4];
+  rows[31].erase(rows[31].begin() + 4);
+  hides.matrix = VisibilityMatrix::from_rows(rows, 60);
+  write_dataset(folder / "in.bsp.h5", before);
+  write_dataset(folder / "hides.bsp.h5", hides);
+  write_dataset(folder / "small.bsp.h5", ring_of_clusters(50));
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
+    const Finished run = vismat_program(words);
+    EXPECT_EQ(run.code(), 1) << why;
+    EXPECT_EQ(run.out, "");
+    EXPECT_NE(run.error.find(why), std::string::npos) << run.error;
+    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+    EXPECT_EQ(folder.entries(), 3u);
+  };
+  refused({"verify", folder / "hides.bsp.h5", folder / "in.bsp.h5"},
+          "hides.bsp.h5: hides 1 visible entries, the first in row 31, column " + std::to_string(column));
+  refused({"verify", folder / "small.bsp.h5", folder / "in.bsp.h5"},
+          "small.bsp.h5: stands for 50 x 50, but the original has 60 x 60");
+  refused({"merge", folder / "in.bsp.h5", "-o", folder / "out.mtx"}, "out.mtx: Matrix Market has no place for the map");
+  refused({"merge", folder / "in.bsp.h5", "--method", "luck", "-o", folder / "out.bsp.h5"}, "'luck' is no grouping");
+  refused({"merge", folder / "in.bsp.h5", "--lost", "1.5", "-o", folder / "out.bsp.h5"}, "--lost");
+  refused({"merge", "--expand", folder / "in.bsp.h5", "-o", folder / "out.bsp.h5"}, "nothing in it was merged");
+  EXPECT_EQ(vismat_program({"verify", folder / "in.bsp.h5", folder / "hides.bsp.h5"}).code(), 0);
 }
 
 TEST(Program, OrdersOutOfCoreAsInMemory) {

@@ -1,0 +1,212 @@
+#include "layout/grouping.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "layout/row_groups.h"
+#include "matrix/loss.h"
+#include "matrix/random.h"
+
+namespace vismat {
+namespace {
+
+using Set = std::set<std::uint32_t>;
+
+// Rows that differ a little from one of some prototypes, no two alike.
+VisibilityMatrix clustered(Shape shape, std::uint32_t prototypes, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<std::vector<bool>> prototype(prototypes, std::vector<bool>(shape.columns));
+  for (auto& bits : prototype) {
+    for (std::uint32_t c = 0; c < shape.columns; ++c) bits[c] = random.below(3) == 0;
+  }
+  std::vector<std::vector<std::uint32_t>> rows(shape.rows);
+  for (auto& row : rows) {
+    const auto& bits = prototype[random.below(prototypes)];
+    for (std::uint32_t c = 0; c < shape.columns; ++c) {
+      if (bits[c] != (random.below(12) == 0)) row.push_back(c);
+    }
+  }
+  return VisibilityMatrix::from_rows(rows, shape.columns);
+}
+
+std::uint64_t zeros(const VisibilityMatrix& matrix) {
+  return std::uint64_t{matrix.shape().rows} * matrix.shape().columns - matrix.ones();
+}
+
+Loss loss_of(const Partition& rows, const VisibilityMatrix& matrix) {
+  const Loss loss = vismat::loss_of(expand_rows(merge_rows(matrix, rows), rows), matrix);
+  EXPECT_EQ(loss.missing, 0u);
+  return loss;
+}
+
+std::uint64_t slow_score(const Set& a, std::uint64_t in_a, const Set& b, std::uint64_t in_b) {
+  const auto alone = [](const Set& whole, const Set& other) {
+    return static_cast<std::uint64_t>(
+        std::count_if(whole.begin(), whole.end(), [&](std::uint32_t c) { return !other.contains(c); }));
+  };
+  return in_a * alone(b, a) + in_b * alone(a, b);
+}
+
+// The least score of all pairs of groups, none of them empty.
+std::uint64_t slow_best_score(const VisibilityMatrix& matrix, const Partition& groups) {
+  const VisibilityMatrix unions = merge_rows(matrix, groups), members = groups.members();
+  std::uint64_t best = RowGroups::unbounded;
+  for (std::uint32_t a = 0; a < groups.groups(); ++a) {
+    for (std::uint32_t b = 0; b < a; ++b) {
+      const Set of_a(unions.row(a).begin(), unions.row(a).end()), of_b(unions.row(b).begin(), unions.row(b).end());
+      best = std::min(best, slow_score(of_a, members.row(a).size(), of_b, members.row(b).size()));
+    }
+  }
+  return best;
+}
+
+TEST(RowGroups, FindTheBestPartnerThatEverySearchFinds) {
+  const VisibilityMatrix matrix = clustered({40, 90}, 5, 1);
+  RowGroups groups(matrix, {});
+  Random random(2);
+  while (groups.alive().size() > 1) {
+    const Partition partition = groups.partition();
+    std::uint64_t best = RowGroups::unbounded;
+    for (const std::uint32_t group : groups.alive()) {
+      const auto pair = groups.best_partner(group);
+      ASSERT_EQ(pair.score, groups.score(group, pair.partner));
+      for (const std::uint32_t other : groups.alive()) {
+        if (other != group) {
+          ASSERT_LE(pair.score, groups.score(group, other));
+        }
+      }
+      best = std::min(best, pair.score);
+    }
+    ASSERT_EQ(best, slow_best_score(matrix, partition));
+    const std::uint32_t into = groups.alive()[random.below(static_cast<std::uint32_t>(groups.alive().size()))];
+    const std::uint32_t from = groups.best_partner(into).partner;
+    groups.merge(into, from);
+    EXPECT_FALSE(groups.is_alive(from));
+  }
+}
+
+TEST(GroupRowsByPairs, AlwaysMergesTheBestPair) {
+  const VisibilityMatrix matrix = clustered({30, 70}, 4, 3);
+  const Grouping& pairs = find_grouping("pairs");
+  Partition before = pairs.group_rows(matrix, {.lost = 0});
+  EXPECT_EQ(before.groups(), 30u);
+  std::uint64_t lost = 0;
+  while (before.groups() > 1) {
+    const std::uint64_t next = slow_best_score(matrix, before);
+    if (next > 0) {
+      EXPECT_EQ(pairs.group_rows(matrix, {.lost = lost + next - 1}), before);
+    }
+    lost += next;
+    const Partition after = pairs.group_rows(matrix, {.lost = lost});
+    EXPECT_EQ(loss_of(after, matrix).added, lost);
+    EXPECT_LT(after.groups(), before.groups());
+    before = after;
+  }
+}
+
+class EveryGrouping : public testing::TestWithParam<Grouping> {};
+
+TEST_P(EveryGrouping, LosesNoMoreThanItMay) {
+  const VisibilityMatrix matrix = clustered({120, 200}, 9, 4);
+  std::uint32_t before = 120;
+  for (const double share : {0.0, 0.01, 0.05, 0.2, 1.0}) {
+    const auto most = static_cast<std::uint64_t>(share * static_cast<double>(zeros(matrix)));
+    const Partition groups = GetParam().group_rows(matrix, {.lost = most});
+    EXPECT_LE(loss_of(groups, matrix).added, most);
+    EXPECT_LE(groups.groups(), before);
+    before = groups.groups();
+  }
+  EXPECT_EQ(before, 1u);
+}
+
+TEST_P(EveryGrouping, LeavesNoRowWithLessThanItsShare) {
+  const VisibilityMatrix matrix = clustered({120, 200}, 9, 5);
+  for (const double share : {0.0, 0.03, 0.2}) {
+    const Partition groups = GetParam().group_rows(matrix, {.lost = zeros(matrix), .lost_in_row = share});
+    const Loss loss = loss_of(groups, matrix);
+    EXPECT_LE(loss.lost_in(loss.worst_row()), share);
+    if (share > 0.1) {
+      EXPECT_LT(groups.groups(), 120u);
+    }
+  }
+}
+
+TEST_P(EveryGrouping, LeavesNoColumnWithLessThanItsRoom) {
+  const VisibilityMatrix matrix = clustered({80, 60}, 5, 6);
+  std::vector<std::uint32_t> room(60);
+  for (std::uint32_t c = 0; c < 60; ++c) room[c] = c % 7 == 0 ? 3 : 20;
+  const Partition groups = GetParam().group_rows(matrix, {.lost = zeros(matrix), .room_in_column = room});
+  EXPECT_LT(groups.groups(), 80u);
+  const VisibilityMatrix before = transpose(matrix), after = transpose(expand_rows(merge_rows(matrix, groups), groups));
+  for (std::uint32_t c = 0; c < 60; ++c) EXPECT_LE(after.row(c).size() - before.row(c).size(), room[c]) << c;
+}
+
+TEST_P(EveryGrouping, JoinsEqualRowsWhateverMayBeLost) {
+  const VisibilityMatrix some = clustered({20, 50}, 3, 7);
+  const Partition thrice = Partition::from_group_of_member([] {
+    std::vector<std::uint32_t> map;
+    for (std::uint32_t i = 0; i < 60; ++i) map.push_back(i * 7 % 20);
+    return map;
+  }());
+  EXPECT_EQ(GetParam().group_rows(expand_rows(some, thrice), {.lost = 0}).groups(), 20u);
+}
+
+TEST_P(EveryGrouping, GivesTheSameGroupsForAnyThreadCount) {
+  const VisibilityMatrix matrix = clustered({150, 100}, 6, 8);
+  const Partition one = GetParam().group_rows(matrix, {.lost = 800, .seed = 3, .threads = 1});
+  EXPECT_EQ(GetParam().group_rows(matrix, {.lost = 800, .seed = 3, .threads = 4}), one);
+}
+
+TEST_P(EveryGrouping, TakesMatricesOfAnyShape) {
+  for (const Shape shape : {Shape{0, 0}, Shape{0, 5}, Shape{1, 0}, Shape{5, 0}, Shape{1, 1}}) {
+    const Partition groups = GetParam().group_rows(VisibilityMatrix(shape), {.lost = 10});
+    EXPECT_EQ(groups.size(), shape.rows);
+    EXPECT_EQ(groups.groups(), std::min(shape.rows, 1u));
+  }
+}
+
+TEST_P(EveryGrouping, SharesWhatMayBeLostAmongBothSides) {
+  const VisibilityMatrix matrix = clustered({90, 110}, 6, 9);
+  const auto most = zeros(matrix) / 10;
+  for (const MergeSide side : {MergeSide::rows, MergeSide::columns, MergeSide::both}) {
+    for (const double in_row : {1.0, 0.12}) {
+      const MergeGroups groups =
+          group_sides(matrix, side, GetParam(), {.lost = most, .lost_in_row = in_row});
+      EXPECT_EQ(groups.rows.has_value(), side != MergeSide::columns);
+      EXPECT_EQ(groups.columns.has_value(), side != MergeSide::rows);
+      VisibilityMatrix lossy = matrix;
+      if (groups.rows) lossy = expand_rows(merge_rows(lossy, *groups.rows), *groups.rows);
+      if (groups.columns) lossy = expand_columns(merge_columns(lossy, *groups.columns), *groups.columns);
+      const Loss loss = vismat::loss_of(lossy, matrix);
+      EXPECT_EQ(loss.missing, 0u);
+      EXPECT_LE(loss.added, most);
+      EXPECT_LE(loss.lost_in(loss.worst_row()), in_row);
+      EXPECT_GT(loss.added, 0u);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, EveryGrouping, testing::ValuesIn(groupings().begin(), groupings().end()),
+                         [](const auto& grouping) { return std::string(grouping.param.name); });
+
+TEST(Groupings, AreFoundByName) {
+  EXPECT_EQ(find_grouping("seeds").name, "seeds");
+  EXPECT_THROW(find_grouping("none"), std::invalid_argument);
+}
+
+// Which groups are drawn depends on the seed alone.
+TEST(GroupRowsBySeeds, DrawsByTheSeed) {
+  const VisibilityMatrix matrix = clustered({150, 100}, 6, 8);
+  const auto groups = [&](std::uint64_t seed) {
+    return find_grouping("seeds").group_rows(matrix, {.lost = 3000, .seed = seed});
+  };
+  EXPECT_EQ(groups(1), groups(1));
+  EXPECT_NE(groups(1), groups(2));
+}
+
+}  // namespace
+}  // namespace vismat
