@@ -22,7 +22,7 @@ namespace {
 
 struct Options {
   std::filesystem::path in, out;
-  std::string side = "cells", method = "pairs";
+  std::string side = "cells", method = "best";
   double lost = 0.05, max_per_cell = 1;
   std::optional<double> added;
   std::uint64_t seed = 1;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
+#include <numeric>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 
@@ -10,140 +13,258 @@
 namespace vismat {
 namespace {
 
-// The first of each row's equals.
-std::vector<std::uint32_t> first_equals(const VisibilityMatrix& matrix) {
-  std::unordered_multimap<std::uint64_t, std::uint32_t> met;
-  std::vector<std::uint32_t> first(matrix.shape().rows);
-  for (std::uint32_t r = 0; r < first.size(); ++r) {
+constexpr std::uint32_t folded_bits = 512;
+
+Partition equal_rows(const VisibilityMatrix& matrix) {
+  std::unordered_multimap<std::uint64_t, std::uint32_t> met;  // rows by hash
+  std::vector<std::uint32_t> kind(matrix.shape().rows);
+  std::uint32_t kinds = 0;
+  for (std::uint32_t r = 0; r < kind.size(); ++r) {
     const auto ids = matrix.row(r);
     std::uint64_t hash = ids.size();
     for (const std::uint32_t id : ids) hash = Random(hash ^ id).next();
     const auto [begin, end] = met.equal_range(hash);
     const auto same =
         std::find_if(begin, end, [&](const auto& entry) { return std::ranges::equal(matrix.row(entry.second), ids); });
-    first[r] = same == end ? r : same->second;
+    kind[r] = same == end ? kinds++ : kind[same->second];
     if (same == end) met.emplace(hash, r);
   }
-  return first;
+  return Partition::from_group_of_member(std::move(kind));
+}
+
+void take_out(std::vector<std::uint32_t>& list, std::vector<std::uint32_t>& places, std::uint32_t place) {
+  list[place] = list.back();
+  places[list[place]] = place;
+  list.pop_back();
+}
+
+// Calls visit(column, in_a) for each column that only one of the two has.
+template <typename Visit>
+void for_each_difference(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b, const Visit& visit) {
+  for (std::size_t w = 0; w < a.size(); ++w) {
+    for (std::uint64_t differ = a[w] ^ b[w]; differ != 0; differ &= differ - 1) {
+      const auto bit = static_cast<unsigned>(std::countr_zero(differ));
+      visit(64 * w + bit, (a[w] >> bit & 1) != 0);
+    }
+  }
 }
 
 }  // namespace
 
-RowGroups::RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& options)
-    : bits_(matrix),
-      size_(matrix.shape().rows),
-      members_(matrix.shape().rows, 0),
-      most_(matrix.shape().rows),
-      room_(options.room_in_column),
-      group_of_row_(first_equals(matrix)),
-      place_(matrix.shape().rows, none),
-      of_size_(matrix.shape().columns + std::size_t{1}),
-      place_in_size_(matrix.shape().rows) {
-  const auto [rows, columns] = matrix.shape();
-  for (std::uint32_t r = 0; r < rows; ++r) {
-    size_[r] = static_cast<std::uint32_t>(matrix.row(r).size());
-    most_[r] = size_[r] + static_cast<std::uint32_t>(options.lost_in_row * (columns - size_[r]));
-    if (group_of_row_[r] == r) insert(r);
-    ++members_[group_of_row_[r]];
+// Two rows, or unions of rows, that are to be in one group, each as often as there are rows: with distance d the first has
+// (d + more) / 2 columns alone and the second (d - more) / 2, so (d (in_a + in_b) - more (in_a - in_b)) / 2 occlusions are
+// lost, and a bound on these is one on d.
+struct RowGroups::Lost {
+  std::int64_t in_both, more, ones, uneven;
+  Lost(std::int64_t in_a, std::int64_t ones_of_a, std::int64_t in_b, std::int64_t ones_of_b)
+      : in_both(in_a + in_b), more(ones_of_a - ones_of_b), ones(ones_of_a + ones_of_b), uneven(more * (in_a - in_b)) {}
+  /// The greatest distance at which no more than `limit` are lost; none where the sizes alone tell that there is none.
+  std::optional<std::uint32_t> farthest(std::uint64_t limit) const {
+    if (limit == unbounded) return static_cast<std::uint32_t>(ones);
+    const std::int64_t twice = 2 * static_cast<std::int64_t>(limit) + uneven;
+    if (twice < std::abs(more) * in_both) return std::nullopt;
+    return static_cast<std::uint32_t>(std::min(ones, twice / in_both));
   }
+  std::uint64_t at(std::uint32_t distance) const {
+    return static_cast<std::uint64_t>(distance * in_both - uneven) / 2;
+  }
+  std::int64_t union_at(std::uint32_t distance) const { return (ones + distance) / 2; }
+};
+
+RowGroups::RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& options)
+    : kind_of_row_(equal_rows(matrix)),
+      kinds_(merge_rows(matrix, kind_of_row_)),
+      rows_of_kind_(kinds_.shape().rows, 0),
+      room_(options.room_in_column),
+      union_(kinds_),
+      folded_({kinds_.shape().rows, std::min(folded_bits, kinds_.shape().columns)}),
+      of_size_(kinds_.shape().columns + std::size_t{1}),
+      place_in_size_(kinds_.shape().rows) {
+  const auto [kinds, columns] = kinds_.shape();
+  for (const std::uint32_t kind : kind_of_row_.group_of_member()) ++rows_of_kind_[kind];
+  rows_ = rows_of_kind_;
+  alive_.resize(kinds);
+  std::iota(alive_.begin(), alive_.end(), 0u);
+  place_ = group_of_kind_ = alive_;
+  for (std::uint32_t k = 0; k < kinds; ++k) {
+    const auto ones = static_cast<std::uint32_t>(kinds_.row(k).size());
+    size_.push_back(ones);
+    most_.push_back(ones + static_cast<std::uint32_t>(options.lost_in_row * (columns - ones)));
+    members_.push_back({k});
+    place_in_size_[k] = static_cast<std::uint32_t>(of_size_[ones].size());
+    of_size_[ones].push_back(k);
+    fold(k);
+  }
+  most_of_kind_ = most_;
 }
 
 std::uint64_t RowGroups::score(std::uint32_t a, std::uint32_t b, std::uint64_t limit) const {
-  const std::uint64_t fewer = std::min(members_[a], members_[b]), both = std::uint64_t{size_[a]} + size_[b];
-  const auto far = static_cast<std::uint32_t>(std::min<std::uint64_t>(limit / fewer, both));
-  const std::uint32_t distance = hamming_distance(bits_.row(a), bits_.row(b), far);
-  if (distance > far) return unbounded;
-  const std::uint64_t common = (both - distance) / 2;
-  if (both - common > std::min(most_[a], most_[b])) return unbounded;
-  const std::uint64_t score = members_[a] * (size_[b] - common) + members_[b] * (size_[a] - common);
-  return score <= limit && !has_room(a, b) ? unbounded : score;
-}
-
-bool RowGroups::has_room(std::uint32_t a, std::uint32_t b) const {
-  if (room_.empty()) return true;
-  const auto in_a = bits_.row(a), in_b = bits_.row(b);
-  for (std::size_t w = 0; w < in_a.size(); ++w) {
-    for (std::uint64_t differ = in_a[w] ^ in_b[w]; differ != 0; differ &= differ - 1) {
-      const auto bit = static_cast<unsigned>(std::countr_zero(differ));
-      if (room_[64 * w + bit] < (in_a[w] >> bit & 1 ? members_[b] : members_[a])) return false;
-    }
-  }
-  return true;
+  const Lost lost(rows_[a], size_[a], rows_[b], size_[b]);
+  const auto far = lost.farthest(limit);
+  if (!far || hamming_distance(folded_.row(a), folded_.row(b), *far) > *far) return unbounded;
+  const std::uint32_t distance = hamming_distance(union_.row(a), union_.row(b), *far);
+  if (distance > *far || lost.union_at(distance) > std::min(most_[a], most_[b])) return unbounded;
+  return has_room(union_.row(a), rows_[a], union_.row(b), rows_[b]) ? lost.at(distance) : unbounded;
 }
 
 RowGroups::Pair RowGroups::best_partner(std::uint32_t group) const {
   Pair best;
-  const auto look_at = [&](std::uint32_t size) {
-    for (const std::uint32_t other : of_size_[size]) {
-      if (other == group) continue;
-      const std::uint64_t score = this->score(group, other, best.score);
-      if (score < best.score || (score == best.score && score != unbounded && other < best.partner))
-        best = {score, other};
-    }
+  const auto look_at = [&](std::uint32_t other) {
+    if (other == group) return;
+    const std::uint64_t score = this->score(group, other, best.score);
+    if (score < best.score || (score == best.score && score != unbounded && other < best.partner))
+      best = {score, other};
   };
-  const std::uint32_t own = size_[group], columns = bits_.shape().columns;
-  look_at(own);
+  const auto kinds = static_cast<std::uint32_t>(group_of_kind_.size());
+  for (std::uint32_t away = 1; away < kinds; away *= 2) {
+    if (away <= group) look_at(group_of_kind_[group - away]);
+    if (away < kinds - group) look_at(group_of_kind_[group + away]);
+  }
+  const auto look_at_size = [&](std::uint32_t size) {
+    for (const std::uint32_t other : of_size_[size]) look_at(other);
+  };
+  const std::uint32_t own = size_[group], columns = kinds_.shape().columns;
+  look_at_size(own);
   bool smaller = true, larger = true;
   for (std::uint32_t away = 1; smaller || larger; ++away) {
     smaller = smaller && away <= own && away <= best.score;
-    larger = larger && away <= columns - own && std::uint64_t{away} * members_[group] <= best.score &&
+    larger = larger && away <= columns - own && std::uint64_t{away} * rows_[group] <= best.score &&
              own + away <= most_[group];
-    if (smaller) look_at(own - away);
-    if (larger) look_at(own + away);
+    if (smaller) look_at_size(own - away);
+    if (larger) look_at_size(own + away);
   }
   return best;
 }
 
 void RowGroups::merge(std::uint32_t into, std::uint32_t from) {
-  remove(into);
-  remove(from);
-  const auto whole = bits_.row(into);
-  const auto part = std::as_const(bits_).row(from);
+  lost_ += score(into, from);
+  take_room(union_.row(into), rows_[into], union_.row(from), rows_[from]);
+  const auto whole = union_.row(into);
   std::uint32_t size = 0;
   for (std::size_t w = 0; w < whole.size(); ++w) {
-    for (std::uint64_t differ = room_.empty() ? 0 : whole[w] ^ part[w]; differ != 0; differ &= differ - 1) {
-      const auto bit = static_cast<unsigned>(std::countr_zero(differ));
-      room_[64 * w + bit] -= whole[w] >> bit & 1 ? members_[from] : members_[into];
-    }
-    whole[w] |= part[w];
+    whole[w] |= std::as_const(union_).row(from)[w];
     size += static_cast<std::uint32_t>(std::popcount(whole[w]));
   }
-  size_[into] = size;
-  members_[into] += members_[from];
+  set_size(into, size);
+  fold(into);
+  rows_[into] += rows_[from];
   most_[into] = std::min(most_[into], most_[from]);
-  group_of_row_[from] = into;
-  insert(into);
+  for (const std::uint32_t kind : members_[from]) group_of_kind_[kind] = into;
+  members_[into].insert(members_[into].end(), members_[from].begin(), members_[from].end());
+  members_[from].clear();
+  take_out(of_size_[size_[from]], place_in_size_, place_in_size_[from]);
+  take_out(alive_, place_, place_[from]);
+  place_[from] = none;
+}
+
+std::uint64_t RowGroups::exchange() {
+  const std::size_t columns = kinds_.shape().columns;
+  std::vector<std::uint32_t> seen(alive_.size() * columns, 0);  // by how many kinds of a group, by its place
+  for (std::uint32_t k = 0; k < kinds_.shape().rows; ++k) {
+    for (const std::uint32_t c : kinds_.row(k)) ++seen[place_[group_of_kind_[k]] * columns + c];
+  }
+  BitRows own({1, kinds_.shape().columns});
+  const std::uint64_t lost_before = lost_;
+  for (std::uint32_t k = 0; k < kinds_.shape().rows; ++k) {
+    const std::uint32_t from = group_of_kind_[k], in_kind = rows_of_kind_[k];
+    if (members_[from].size() == 1) continue;
+    const auto ids = kinds_.row(k);
+    const auto ones = static_cast<std::uint32_t>(ids.size());
+    std::uint32_t* const seen_from = seen.data() + place_[from] * columns;
+    const auto alone = static_cast<std::uint32_t>(
+        std::count_if(ids.begin(), ids.end(), [&](std::uint32_t c) { return seen_from[c] == 1; }));
+    const std::uint64_t regained =
+        std::uint64_t{rows_[from] - in_kind} * alone + std::uint64_t{in_kind} * (size_[from] - ones);
+    if (regained == 0) continue;
+
+    std::ranges::fill(own.row(0), 0);
+    for (const std::uint32_t c : ids) own.set(0, c);
+    const auto bits = std::as_const(own).row(0);
+    Pair best = {regained - 1, none};  // a move must gain
+    for (const std::uint32_t to : alive_) {
+      if (to == from) continue;
+      const Lost lost(in_kind, ones, rows_[to], size_[to]);
+      const auto far = lost.farthest(best.score);
+      if (!far) continue;
+      const std::uint32_t distance = hamming_distance(bits, union_.row(to), *far);
+      if (distance > *far || lost.union_at(distance) > std::min(most_of_kind_[k], most_[to])) continue;
+      const std::uint64_t score = lost.at(distance);
+      if ((score < best.score || best.partner == none || to < best.partner) &&
+          has_room(bits, in_kind, union_.row(to), rows_[to]))
+        best = {score, to};
+    }
+    if (best.partner == none) continue;
+
+    const std::uint32_t to = best.partner;
+    lost_ -= regained - best.score;
+    take_room(bits, in_kind, union_.row(to), rows_[to]);
+    std::uint32_t* const seen_to = seen.data() + place_[to] * columns;
+    std::uint32_t joining = 0;
+    for (const std::uint32_t c : ids) {
+      joining += seen_to[c]++ == 0;
+      union_.set(to, c);
+      if (--seen_from[c] == 0) union_.row(from)[c / 64] &= ~(std::uint64_t{1} << (c % 64));
+    }
+    rows_[from] -= in_kind;
+    rows_[to] += in_kind;
+    set_size(from, size_[from] - alone);
+    set_size(to, size_[to] + joining);
+    fold(from);
+    fold(to);
+    if (!room_.empty()) {  // what the two no longer lose to one another
+      for_each_difference(bits, union_.row(from), [&](std::size_t c, bool in_kind_alone) {
+        room_[c] += in_kind_alone ? rows_[from] : in_kind;
+      });
+    }
+    group_of_kind_[k] = to;
+    std::erase(members_[from], k);
+    members_[to].push_back(k);
+    most_[to] = std::min(most_[to], most_of_kind_[k]);
+    most_[from] = none;
+    for (const std::uint32_t member : members_[from]) most_[from] = std::min(most_[from], most_of_kind_[member]);
+  }
+  return lost_before - lost_;
 }
 
 Partition RowGroups::partition() const {
-  std::vector<std::uint32_t> number(group_of_row_.size(), none), map(group_of_row_.size());
+  std::vector<std::uint32_t> number(group_of_kind_.size(), none), map(group_of_kind_.size());
   std::uint32_t groups = 0;
-  for (std::uint32_t r = 0; r < map.size(); ++r) {
-    std::uint32_t group = r;
-    while (group_of_row_[group] != group) group = group_of_row_[group];
+  for (std::uint32_t k = 0; k < map.size(); ++k) {
+    const std::uint32_t group = group_of_kind_[k];
     if (number[group] == none) number[group] = groups++;
-    map[r] = number[group];
+    map[k] = number[group];
   }
-  return Partition::from_group_of_member(std::move(map));
+  return followed_by(kind_of_row_, Partition::from_group_of_member(std::move(map)));
 }
 
-void RowGroups::insert(std::uint32_t group) {
-  place_[group] = static_cast<std::uint32_t>(alive_.size());
-  alive_.push_back(group);
-  auto& same = of_size_[size_[group]];
-  place_in_size_[group] = static_cast<std::uint32_t>(same.size());
-  same.push_back(group);
+// A column that a alone has is lost in the rows of b.
+bool RowGroups::has_room(std::span<const std::uint64_t> a, std::uint64_t in_a, std::span<const std::uint64_t> b,
+                         std::uint64_t in_b) const {
+  bool room = true;
+  if (!room_.empty())
+    for_each_difference(a, b, [&](std::size_t c, bool of_a) { room = room && room_[c] >= (of_a ? in_b : in_a); });
+  return room;
 }
 
-void RowGroups::remove(std::uint32_t group) {
-  const auto take_out = [](std::vector<std::uint32_t>& list, std::vector<std::uint32_t>& places, std::uint32_t place) {
-    list[place] = list.back();
-    places[list[place]] = place;
-    list.pop_back();
-  };
+void RowGroups::take_room(std::span<const std::uint64_t> a, std::uint64_t in_a, std::span<const std::uint64_t> b,
+                          std::uint64_t in_b) {
+  if (room_.empty()) return;
+  for_each_difference(a, b,
+                      [&](std::size_t c, bool of_a) { room_[c] -= static_cast<std::uint32_t>(of_a ? in_b : in_a); });
+}
+
+void RowGroups::set_size(std::uint32_t group, std::uint32_t size) {
   take_out(of_size_[size_[group]], place_in_size_, place_in_size_[group]);
-  take_out(alive_, place_, place_[group]);
-  place_[group] = none;
+  size_[group] = size;
+  place_in_size_[group] = static_cast<std::uint32_t>(of_size_[size].size());
+  of_size_[size].push_back(group);
+}
+
+void RowGroups::fold(std::uint32_t group) {
+  const auto words = std::as_const(union_).row(group);
+  const auto folded = folded_.row(group);
+  std::ranges::fill(folded, 0);
+  for (std::size_t w = 0; w < words.size(); ++w) folded[w % folded.size()] ^= words[w];
 }
 
 }  // namespace vismat

@@ -10,8 +10,8 @@
 
 namespace vismat {
 
-/// Groups are numbered by one of their members, which stays as others join it. Equal rows are one group from the start.
-/// Memory: rows * columns / 8 bytes and some 100 a row.
+/// Equal rows are one kind and never part. At first each kind is a group; groups keep their numbers as others join them.
+/// Memory: rows * columns / 8 bytes and 64 a row.
 class RowGroups {
  public:
   RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& options);
@@ -26,27 +26,43 @@ class RowGroups {
   /// Ascending at first, then in no order.
   std::span<const std::uint32_t> alive() const { return alive_; }
   bool is_alive(std::uint32_t group) const { return place_[group] != none; }
-  /// Occlusions that merging the two would lose: members of a times what b has alone, and the other way round [Zach & Karner
-  /// 2003, 4.1]. A number above `limit` as soon as it is known to be above, or where a member would lose too many.
+  /// Occlusions that are lost so far.
+  std::uint64_t lost() const { return lost_; }
+  /// Occlusions that merging the two would lose: rows of a times what b has alone, and the other way round [Zach & Karner
+  /// 2003, 4.1]; unbounded where that is above `limit`, or where some row or column would lose more than it may.
   std::uint64_t score(std::uint32_t a, std::uint32_t b, std::uint64_t limit = unbounded) const;
   /// The group of the least score with this one; of equal ones the least number. Only groups whose sizes are near enough are
-  /// looked at [Zach & Karner 2003, 4.1].
+  /// looked at [Zach & Karner 2003, 4.1]; before them those of rows that stand near, as rows that stand near are often
+  /// alike and a low score soon rules the others out.
   Pair best_partner(std::uint32_t group) const;
-  /// The second becomes part of the first.
+  /// The second becomes part of the first. Their score must be bounded.
   void merge(std::uint32_t into, std::uint32_t from);
+  /// Moves each kind in turn, where that regains occlusions, to the group where it regains most. Returns how many in all.
+  /// O(kinds * groups * columns / 64) word operations at worst. Memory: groups * columns * 4 bytes meanwhile.
+  std::uint64_t exchange();
   /// Groups in the order of their first members.
   Partition partition() const;
 
  private:
-  bool has_room(std::uint32_t a, std::uint32_t b) const;
-  void insert(std::uint32_t group);
-  void remove(std::uint32_t group);
+  struct Lost;
+  bool has_room(std::span<const std::uint64_t> a, std::uint64_t in_a, std::span<const std::uint64_t> b,
+                std::uint64_t in_b) const;
+  void take_room(std::span<const std::uint64_t> a, std::uint64_t in_a, std::span<const std::uint64_t> b,
+                 std::uint64_t in_b);
+  void set_size(std::uint32_t group, std::uint32_t size);
+  void fold(std::uint32_t group);
 
-  BitRows bits_;
-  std::vector<std::uint32_t> size_, members_;  // of each group's union; of the group
-  std::vector<std::uint32_t> most_;            // ones that the union may have before some member loses too many
-  std::vector<std::uint32_t> room_;            // zeros that each column may still lose; empty: any
-  std::vector<std::uint32_t> group_of_row_;
+  Partition kind_of_row_;
+  VisibilityMatrix kinds_;                                 // a row each
+  std::vector<std::uint32_t> rows_of_kind_, most_of_kind_;  // ones that its group's union may have
+  std::vector<std::uint32_t> group_of_kind_;
+  std::vector<std::uint32_t> room_;  // zeros that each column may still lose; empty: any
+  std::uint64_t lost_ = 0;
+
+  // By group.
+  BitRows union_, folded_;  // folded: the union's words by exclusive or in a cache line, no further apart than unions are
+  std::vector<std::uint32_t> size_, rows_, most_;  // the union's ones; rows; the least most_of_kind_
+  std::vector<std::vector<std::uint32_t>> members_;
   std::vector<std::uint32_t> alive_, place_;
   std::vector<std::vector<std::uint32_t>> of_size_;  // groups by their unions' sizes
   std::vector<std::uint32_t> place_in_size_;

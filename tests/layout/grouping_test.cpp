@@ -89,6 +89,49 @@ TEST(RowGroups, FindTheBestPartnerThatEverySearchFinds) {
   }
 }
 
+// Where no move regains anything, no row could be in a better group.
+TEST(RowGroups, ExchangeUntilNoMoveIsWorthIt) {
+  const VisibilityMatrix matrix = clustered({60, 90}, 5, 11);
+  RowGroups groups(matrix, {});
+  while (groups.alive().size() > 12) {  // any pairs, good or bad
+    const std::uint32_t into = groups.alive()[0], from = groups.alive()[groups.alive().size() / 2];
+    groups.merge(into, from);
+    EXPECT_EQ(groups.lost(), loss_of(groups.partition(), matrix).added);
+  }
+  for (std::uint64_t regained = 1; regained > 0;) {
+    const std::uint64_t before = groups.lost();
+    regained = groups.exchange();
+    EXPECT_EQ(groups.lost(), before - regained);
+    EXPECT_EQ(groups.lost(), loss_of(groups.partition(), matrix).added);
+    EXPECT_EQ(groups.partition().groups(), 12u);
+  }
+  const Partition partition = groups.partition();
+  std::vector<std::uint32_t> map(partition.group_of_member().begin(), partition.group_of_member().end());
+  for (std::uint32_t r = 0; r < 60; ++r) {
+    if (std::ranges::count(map, map[r]) == 1) continue;
+    for (std::uint32_t g = 0; g < 12; ++g) {
+      auto moved = map;
+      moved[r] = g;
+      EXPECT_GE(loss_of(Partition::from_group_of_member(std::move(moved)), matrix).added, groups.lost());
+    }
+  }
+  for (const std::uint32_t group : groups.alive()) {  // what it keeps of each group is still right
+    const auto pair = groups.best_partner(group);
+    for (const std::uint32_t other : groups.alive()) {
+      if (other != group) {
+        EXPECT_LE(pair.score, groups.score(group, other));
+      }
+    }
+  }
+}
+
+TEST(GroupRowsByExchange, LeavesFewerGroupsThanPairs) {
+  const VisibilityMatrix matrix = clustered({400, 120}, 12, 12);
+  const std::uint64_t most = zeros(matrix) / 20;
+  EXPECT_LT(find_grouping("best").group_rows(matrix, {.lost = most}).groups(),
+            find_grouping("pairs").group_rows(matrix, {.lost = most}).groups());
+}
+
 TEST(GroupRowsByPairs, AlwaysMergesTheBestPair) {
   const VisibilityMatrix matrix = clustered({30, 70}, 4, 3);
   const Grouping& pairs = find_grouping("pairs");
