@@ -22,7 +22,7 @@ namespace {
 
 struct Options {
   std::filesystem::path in, out;
-  std::string side = "cells", method = "best";
+  std::string side = "cells", method = "pairs";
   double lost = 0.05, max_per_cell = 1;
   std::optional<double> added;
   std::uint64_t seed = 1;

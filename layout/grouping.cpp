@@ -16,8 +16,8 @@ constexpr double rows_share = 0.5;
 constexpr std::array table = {
     Grouping{"seeds", "best partner of random seeds, Zach & Karner 2003",
              [](const VisibilityMatrix& m, const GroupingOptions& o) { return group_rows_by_seeds(m, o); }},
-    Grouping{"pairs", "always the best of all pairs", group_rows_by_pairs},
-    Grouping{"best", "pairs, then rows move to better groups, and pairs again", group_rows_by_exchange},
+    Grouping{"pairs", "best of all pairs, then rows move to better groups",
+             [](const VisibilityMatrix& m, const GroupingOptions& o) { return group_rows_by_pairs(m, o); }},
 };
 
 }  // namespace

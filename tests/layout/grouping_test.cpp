@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "layout/pair_grouping.h"
 #include "layout/row_groups.h"
 #include "matrix/loss.h"
 #include "matrix/random.h"
@@ -125,26 +126,25 @@ TEST(RowGroups, ExchangeUntilNoMoveIsWorthIt) {
   }
 }
 
-TEST(GroupRowsByExchange, LeavesFewerGroupsThanPairs) {
+TEST(GroupRowsByPairs, LeavesFewerGroupsWhereRowsMayMove) {
   const VisibilityMatrix matrix = clustered({400, 120}, 12, 12);
   const std::uint64_t most = zeros(matrix) / 20;
-  EXPECT_LT(find_grouping("best").group_rows(matrix, {.lost = most}).groups(),
-            find_grouping("pairs").group_rows(matrix, {.lost = most}).groups());
+  EXPECT_LT(group_rows_by_pairs(matrix, {.lost = most}).groups(),
+            group_rows_by_pairs(matrix, {.lost = most}, 0).groups());
 }
 
 TEST(GroupRowsByPairs, AlwaysMergesTheBestPair) {
   const VisibilityMatrix matrix = clustered({30, 70}, 4, 3);
-  const Grouping& pairs = find_grouping("pairs");
-  Partition before = pairs.group_rows(matrix, {.lost = 0});
+  Partition before = group_rows_by_pairs(matrix, {.lost = 0}, 0);
   EXPECT_EQ(before.groups(), 30u);
   std::uint64_t lost = 0;
   while (before.groups() > 1) {
     const std::uint64_t next = slow_best_score(matrix, before);
     if (next > 0) {
-      EXPECT_EQ(pairs.group_rows(matrix, {.lost = lost + next - 1}), before);
+      EXPECT_EQ(group_rows_by_pairs(matrix, {.lost = lost + next - 1}, 0), before);
     }
     lost += next;
-    const Partition after = pairs.group_rows(matrix, {.lost = lost});
+    const Partition after = group_rows_by_pairs(matrix, {.lost = lost}, 0);
     EXPECT_EQ(loss_of(after, matrix).added, lost);
     EXPECT_LT(after.groups(), before.groups());
     before = after;
