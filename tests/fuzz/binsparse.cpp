@@ -51,7 +51,11 @@ void write_parts(const std::filesystem::path& path, std::span<const std::uint8_t
                                    "/vismat/row_neighbours/indices_1",
                                    "/vismat/tree/parent",
                                    "/vismat/tree/object",
-                                   "/vismat/boundaries"};
+                                   "/vismat/boundaries",
+                                   "/vismat/row_groups",
+                                   "/vismat/column_groups",
+                                   "/vismat/row_tree/parent",
+                                   "/vismat/row_tree/object"};
   Hdf5File file = Hdf5File::create(path);
   const auto end = std::find(bytes.begin(), bytes.end(), 0);
   file.write_attribute("/", "binsparse", std::string(bytes.begin(), end));
@@ -75,7 +79,9 @@ void write_parts(const std::filesystem::path& path, std::span<const std::uint8_t
       } else {
         file.write<std::uint8_t>(name, body, dimensions(size));
       }
-      if (name == "/vismat/tree/parent") file.write_attribute("/vismat/tree", "object_count", bytes.size());
+      for (const std::string group : {"/vismat/tree", "/vismat/row_tree"}) {
+        if (name == group + "/parent") file.write_attribute(group, "object_count", bytes.size());
+      }
     } catch (const FormatError&) {  // named twice
     }
   }
