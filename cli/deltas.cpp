@@ -86,6 +86,7 @@ Dataset with_rows(const Dataset& of, VisibilityMatrix matrix) {
   result.seed = of.seed;
   result.column_bounds = of.column_bounds;
   result.column_order = of.column_order;
+  result.column_groups = of.column_groups;
   if (!of.columns_are_nodes) result.tree = of.tree;
   return result;
 }

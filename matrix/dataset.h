@@ -64,7 +64,8 @@ Dataset read_dataset(const std::filesystem::path& path);
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 
 /// The same matrix over the tree's nodes instead of its objects (nodes_from_objects), tree kept; a node's box, where
-/// boxes are known, is the least around its objects. Needs a tree and columns that are objects.
+/// boxes are known, is the least around its objects. Orders and groups of the objects cannot follow and are left out. Needs
+/// a tree and columns that are objects.
 Dataset over_nodes(const Dataset& objects);
 
 /// Rows and columns in a new order, with all that goes by them: boxes, neighbours, the objects in the trees; row_order and
