@@ -72,15 +72,20 @@ inline Loss proven(Loss loss) {
   return loss;
 }
 
+enum class Ordered { no, yes };
+
 /// Nodes: rows in the greedy order, as paper 002 has it. Else rows and columns in the best order. Names: the groups as a .vmat
 /// file has them, which tell of the order too; of a side that is not merged log2 n! bits.
-inline void put_in_order(Merge& merge) {
+inline void put_in_order(Merge& merge, Ordered ordered) {
   const double start = wall_seconds();
   const VisibilityMatrix& matrix = merge.data.matrix;
   const auto [rows, columns] = matrix.shape();
   const bool nodes = merge.data.columns_are_nodes;
-  const Permutation by_rows = nodes ? order_rows_greedily(matrix) : best_order(transpose(matrix)),
-                    by_columns = nodes ? Permutation::identity(columns) : best_order(matrix);
+  Permutation by_rows = Permutation::identity(rows), by_columns = Permutation::identity(columns);
+  if (ordered == Ordered::yes) {
+    by_rows = nodes ? order_rows_greedily(matrix) : best_order(transpose(matrix));
+    if (!nodes) by_columns = best_order(matrix);
+  }
   merge.data = reordered(std::move(merge.data), by_rows, by_columns);
   merge.order_s = wall_seconds() - start;
   const auto names = [](const std::optional<Partition>& groups, const Permutation& order) -> std::uint64_t {
@@ -91,23 +96,23 @@ inline void put_in_order(Merge& merge) {
 }
 
 /// The original as it is, ordered alone.
-inline Merge without_merge(const Dataset& original) {
+inline Merge without_merge(const Dataset& original, Ordered ordered = Ordered::yes) {
   Merge merge;
   merge.data = original;
   merge.loss = loss_of(original.matrix, original.matrix);
-  put_in_order(merge);
+  put_in_order(merge, ordered);
   return merge;
 }
 
 inline Merge merge_of(const Dataset& original, MergeSide side, const Grouping& grouping,
-                      const GroupingOptions& options) {
+                      const GroupingOptions& options, Ordered ordered = Ordered::yes) {
   Merge merge;
   const double start = wall_seconds();
   const MergeGroups groups = group_sides(original.matrix, side, grouping, options);
   merge.data = merged(original, groups.rows, groups.columns);
   merge.merge_s = wall_seconds() - start;
   merge.loss = proven(loss_of(in_source_numbers(merge.data).matrix, original.matrix));
-  put_in_order(merge);
+  put_in_order(merge, ordered);
   return merge;
 }
 
