@@ -12,6 +12,7 @@
 #include "codecs/lzw.h"
 #include "codecs/pair_huffman.h"
 #include "codecs/pairs.h"
+#include "codecs/panne.h"
 #include "codecs/quake_rle.h"
 #include "codecs/rice.h"
 #include "codecs/tree_coding.h"
@@ -71,6 +72,7 @@ constexpr std::array table = {
     row_codec<PairRows<LzwCode>>("pair-lzw", "gaps and runs as bytes, LZW"),
     row_codec<PairRows<AnsCode>>("pair-ans", "gaps and runs, tANS, a table each for all rows"),
     row_codec<EliasFanoRows>("elias-fano", "ids, Elias-Fano"),
+    row_codec<PanneRows>("panne", "clusters of common subsets, runs of zeros, a Huffman code each for all rows"),
     over_tree<"zach0">("children's bits in the parent's cells", false),
     over_tree<"zach1">("intersection of all children, bits outside it", false),
     over_tree<"zach2">("intersection of a chosen subset, subset masks, bits outside it", false),

@@ -140,8 +140,7 @@ class RowDecoderFor final : public RowDecoder {
 };
 
 template <typename Rows>
-Encoded encode_rows(const VisibilityMatrix& matrix, const ObjectTree*) {
-  Rows rows = Rows::fit(matrix);
+Encoded encode_rows_with(Rows rows, const VisibilityMatrix& matrix) {
   Encoded out;
   rows.write_model(out.payload);
   const auto [count, columns] = matrix.shape();
@@ -170,6 +169,11 @@ Encoded encode_rows(const VisibilityMatrix& matrix, const ObjectTree*) {
   starts.push_back(out.payload.size());
   out.index = row_index_bytes(starts);
   return out;
+}
+
+template <typename Rows>
+Encoded encode_rows(const VisibilityMatrix& matrix, const ObjectTree*) {
+  return encode_rows_with(Rows::fit(matrix), matrix);
 }
 
 template <typename Rows>

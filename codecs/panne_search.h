@@ -1,0 +1,27 @@
+// The search for clusters: which lists share, which symbols join (panne_table.h), one round after another.
+#pragma once
+#include <cstdint>
+#include <functional>
+
+#include "codecs/panne_table.h"
+#include "matrix/parallel.h"
+
+namespace vismat {
+
+struct PanneSearch {
+  double seconds =
+      0;  // 0: until rounds save little, the same on any machine; else as long as this, or until nothing saves
+  std::uint64_t seed = 1;
+  unsigned threads = 0;  // 0: one a core
+  Progress progress = {};     // in milliseconds where seconds are given, else in rounds, of an estimate
+  /// Called after each round, with the table as it is then; its time counts as no part of the seconds.
+  std::function<void(const PanneTable&)> after_round = {};
+  /// Called after each step that changed the table. For tests.
+  std::function<void(const PanneTable&)> after_step = {};
+};
+
+/// A table of the matrix, each step of which saved something. Without `seconds` the same for the same seed, for any thread
+/// count. O(ones) a round, some 20 to 100 rounds.
+PanneTable search_clusters(const VisibilityMatrix& matrix, const PanneSearch& search);
+
+}  // namespace vismat
