@@ -16,6 +16,7 @@
 #include "codecs/bitmap.h"
 #include "codecs/container.h"
 #include "codecs/pairs.h"
+#include "codecs/panne.h"
 #include "codecs/row_reader.h"
 #include "codecs/sections.h"
 #include "codecs/tree_coding.h"
@@ -32,12 +33,24 @@ std::string codec_names() {
   return names;
 }
 
+// As compress() does, with options of the search.
+Container compress_panne(const Dataset& data, double seconds) {
+  Container container;
+  container.shape = data.matrix.shape();
+  container.ones = data.matrix.ones();
+  container.codec = "panne";
+  container.tree = data.tree;
+  container.encoded = encode_panne(data.matrix, {.seconds = seconds, .progress = show_progress("searching for clusters")});
+  return container;
+}
+
 }  // namespace
 
 void add_encode(CLI::App& app) {
   struct Options {
     std::filesystem::path in, out;
     std::string codec = "delimiter", order = "greedy";
+    double seconds = 0;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("encode", "Compress a matrix into a .vmat file");
@@ -48,16 +61,25 @@ void add_encode(CLI::App& app) {
                    "Rows for zach3 and zach4: greedy order, or natural (as they stand)")
       ->check(CLI::IsMember({"greedy", "natural"}))
       ->capture_default_str();
+  verb->add_option("--seconds", options->seconds,
+                   "For panne: search for clusters as long as this; what comes of it depends on the machine. 0: until little "
+                   "is found, the same on any")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   verb->footer("Example: vismat encode city32.bsp.h5 --codec zach3-range -o city32.vmat");
   verb->callback([options] {
     const Codec& codec = find_codec(options->codec);
+    const bool panne = codec.name == "panne";
+    if (options->seconds > 0 && !panne)
+      throw std::invalid_argument("--seconds is for the search of codec panne; '" + options->codec + "' has none");
     Dataset data = read_dataset(options->in);
     if (codec.over_tree && data.tree && !data.columns_are_nodes) data = over_nodes(data);
     if (codec.wants_row_order && options->order == "greedy") {
       const Permutation order = order_rows_greedily(data.matrix, show_progress("ordering rows"));
       data = reordered(std::move(data), order, Permutation::identity(data.matrix.shape().columns));
     }
-    Container container = compress(data.matrix, codec, data.tree ? &*data.tree : nullptr);
+    Container container = panne ? compress_panne(data, options->seconds)
+                                : compress(data.matrix, codec, data.tree ? &*data.tree : nullptr);
     container.row_tree = data.row_tree;
     container.row_order = data.row_order;
     container.column_order = data.column_order;

@@ -1,0 +1,132 @@
+// Van de Panne and Stewart's search for clusters: size against seconds, on given matrices and on synthetic scenes of growing size.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "bench/measure.h"
+#include "codecs/panne.h"
+#include "codecs/row_codec.h"
+#include "matrix/atomic_file.h"
+#include "matrix/dataset.h"
+#include "matrix/generate.h"
+
+namespace {
+
+using namespace vismat;
+
+struct Options {
+  std::vector<std::filesystem::path> matrices;
+  std::vector<double> scales;
+  double seconds = 60;
+  unsigned threads = 0;
+  std::uint64_t seed = 1;
+  std::string csv;
+};
+
+// A table as it is after so many seconds of search.
+struct Measured {
+  double seconds, processor_seconds;
+  std::uint64_t bytes, priced_bytes, symbols;
+  std::uint32_t clusters, rows, columns;
+  std::uint64_t ones, peak_bytes;
+};
+
+// Points about 1.15 times as many seconds apart; what they take, to encode and count, is no part of their time.
+std::vector<Measured> search(const VisibilityMatrix& matrix, const Options& options) {
+  std::vector<Measured> points;
+  double paused = 0, paused_processor = 0, next = 0;
+  const double start = bench::wall_seconds(), start_processor = bench::processor_seconds();
+  const auto note = [&](const PanneTable& table, bool last) {
+    const double now = bench::wall_seconds(), now_processor = bench::processor_seconds();
+    const double seconds = now - start - paused;
+    if (seconds < next && !last) return;
+    next = std::max(seconds * 1.15, seconds + .02);
+    const Encoded encoded = encode_panne(matrix, table);
+    std::uint64_t symbols = 0;
+    std::uint32_t clusters = 0;
+    for (std::uint32_t l = 0; l < table.lists().size(); ++l) {
+      symbols += table.lists()[l].size();
+      clusters += !table.is_row(l) && !table.lists()[l].empty();
+    }
+    points.push_back({seconds, now_processor - start_processor - paused_processor,
+                      encoded.payload.size() + encoded.index.size(), table.price() / (8 * PannePrices::unit),
+                      symbols, clusters, matrix.shape().rows, matrix.shape().columns, matrix.ones(),
+                      bench::peak_bytes()});
+    paused += bench::wall_seconds() - now;
+    paused_processor += bench::processor_seconds() - now_processor;
+  };
+  const PanneTable table =
+      search_clusters(matrix, {.seconds = options.seconds,
+                               .seed = options.seed,
+                               .threads = options.threads,
+                               .after_round = [&](const PanneTable& t) { note(t, false); }});
+  note(table, true);
+  const Encoded encoded = encode_panne(matrix, table);
+  const auto back =
+      decode_rows(detail::open_rows<PanneRows>, 1, encoded.payload, encoded.index, matrix.shape());
+  if (back != matrix) throw std::runtime_error("a round trip that ends elsewhere");
+  return points;
+}
+
+void run(const Options& options) {
+  std::string csv =
+      "matrix,rows,columns,ones,bitmap,seconds,bytes,clusters,symbols,priced_bytes,processor_seconds,peak_"
+      "bytes,threads,"
+      "seed\n";
+  const auto tell = [&](const std::string& name, const std::vector<Measured>& points) {
+    for (const Measured& m : points) {
+      const std::uint64_t bitmap = std::uint64_t{m.rows} * row_bytes_of(m.columns);
+      csv +=
+          bench::csv_line(name, m.rows, m.columns, m.ones, bitmap, m.seconds, m.bytes, m.clusters, m.symbols,
+                          m.priced_bytes, m.processor_seconds, m.peak_bytes, options.threads, options.seed);
+    }
+    const Measured &first = points.front(), &last = points.back();
+    std::printf("%-28s %7u %7u %10llu %10llu %10llu %7.2f %8.1f %8u\n", name.c_str(), last.rows, last.columns,
+                static_cast<unsigned long long>(last.ones), static_cast<unsigned long long>(first.bytes),
+                static_cast<unsigned long long>(last.bytes),
+                static_cast<double>(first.bytes) / static_cast<double>(last.bytes), last.seconds,
+                last.clusters);
+    std::fflush(stdout);
+    if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
+  };
+  std::printf("%-28s %7s %7s %10s %10s %10s %7s %8s %8s\n", "matrix", "rows", "columns", "ones", "without",
+              "bytes", "ratio", "seconds", "clusters");
+  for (const auto& path : options.matrices) {
+    tell(bench::name_of(path),
+         bench::apart<Measured>([&] { return search(read_dataset(path).matrix, options); }));
+  }
+  for (const double scale : options.scales) {
+    DeltaSceneOptions scene = power_plant_scene(scale);
+    scene.seed = options.seed;
+    tell("power-plant-1/" + std::to_string(std::lround(1 / scale)), bench::apart<Measured>([&] {
+           return search(generate_delta_scene(scene, options.threads), options);
+         }));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "The search for clusters of codec panne: bytes against seconds, each matrix in a process of its own");
+  Options options;
+  app.add_option("MATRIX", options.matrices, "matrix files");
+  app.add_option("--scale", options.scales, "power plants too, at these shares of the paper's size")
+      ->check(CLI::Range(1e-4, 1.));
+  app.add_option("--seconds", options.seconds, "for each matrix; 0: as codec panne, until little is found")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--threads", options.threads, "0: one a core");
+  app.add_option("--seed", options.seed);
+  app.add_option("--csv", options.csv, "a line for each point of each curve");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::cerr << "panne_search: " << error.what() << '\n';
+    return 1;
+  }
+}
