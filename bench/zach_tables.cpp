@@ -69,7 +69,7 @@ std::vector<Order> orders_of(const Dataset& data) {
 // The paper's methods, and what it compares them with; `vismat compare` has every codec.
 bool in_tables(const Codec& codec) {
   constexpr std::string_view beside[] = {"bitmap", "quake-rle", "gzip", "bzip2"};
-  return codec.over_tree || std::find(std::begin(beside), std::end(beside), codec.name) != std::end(beside);
+  return codec.over_tree == TreeOver::columns || std::find(std::begin(beside), std::end(beside), codec.name) != std::end(beside);
 }
 
 struct Measurement {

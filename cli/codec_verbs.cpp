@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -23,6 +24,7 @@
 #include "layout/greedy_order.h"
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
+#include "visibility/bounding_volume_tree.h"
 
 namespace vismat::cli {
 namespace {
@@ -31,6 +33,12 @@ std::string codec_names() {
   std::string names;
   for (const Codec& codec : all_codecs()) names += (names.empty() ? "" : ", ") + std::string(codec.name);
   return names;
+}
+
+NodeReader open_nodes(const Container& container) {
+  const auto& tree = find_codec(container.codec).over_tree == TreeOver::rows ? container.row_tree : container.tree;
+  if (!tree) throw FormatError("no tree; the codec '" + container.codec + "' needs one");
+  return {container.codec, container.encoded.payload, container.encoded.index, container.shape, *tree};
 }
 
 // As compress() does, with options of the search.
@@ -73,13 +81,23 @@ void add_encode(CLI::App& app) {
     if (options->seconds > 0 && !panne)
       throw std::invalid_argument("--seconds is for the search of codec panne; '" + options->codec + "' has none");
     Dataset data = read_dataset(options->in);
-    if (codec.over_tree && data.tree && !data.columns_are_nodes) data = over_nodes(data);
+    if (codec.over_tree == TreeOver::columns && data.tree && !data.columns_are_nodes) data = over_nodes(data);
+    if (codec.over_tree == TreeOver::rows && !data.row_tree) {
+      if (data.row_bounds.empty()) {
+        throw std::invalid_argument(options->in.string() +
+                                    ": has no tree over its rows and no boxes to make one from; see 'vismat tree "
+                                    "--side rows --by sets'");
+      }
+      data.row_tree = bounding_volume_tree(data.row_bounds, 2);
+    }
     if (codec.wants_row_order && options->order == "greedy") {
       const Permutation order = order_rows_greedily(data.matrix, show_progress("ordering rows"));
       data = reordered(std::move(data), order, Permutation::identity(data.matrix.shape().columns));
     }
+    const auto& tree = codec.over_tree == TreeOver::rows ? data.row_tree : data.tree;
     Container container = panne ? compress_panne(data, options->seconds)
-                                : compress(data.matrix, codec, data.tree ? &*data.tree : nullptr);
+                                : compress(data.matrix, codec, tree ? &*tree : nullptr);
+    container.tree = data.tree;
     container.row_tree = data.row_tree;
     container.row_order = data.row_order;
     container.column_order = data.column_order;
@@ -124,6 +142,45 @@ void add_decode(CLI::App& app) {
   });
 }
 
+namespace {
+
+// Rows of a file of either kind: where each can be read alone, and where they are the leafs of a tree.
+struct StoredRows {
+  Shape shape;
+  std::optional<Permutation> row_order, column_order;
+  std::optional<Partition> row_groups, column_groups;
+  std::function<std::vector<std::uint32_t>(std::uint32_t row)> ids;
+  std::function<std::string(std::uint32_t row)> cost;
+};
+
+void with_rows(const std::filesystem::path& path, const std::function<void(const StoredRows&)>& work) {
+  const auto codecs = all_codecs();
+  const std::string name = codec_of(path);
+  if (std::none_of(codecs.begin(), codecs.end(),
+                   [&](const Codec& c) { return c.name == name && c.over_tree == TreeOver::rows; })) {
+    const RowReader reader(path, codecs);
+    RowBuffer<std::uint32_t> buffer;
+    work({reader.shape(), reader.row_order(), reader.column_order(), reader.row_groups(), reader.column_groups(),
+          [&](std::uint32_t row) {
+            const auto ids = reader.ids(row, buffer);
+            return std::vector<std::uint32_t>(ids.begin(), ids.end());
+          },
+          [&](std::uint32_t row) { return std::to_string(reader.row_bytes(row)) + " bytes"; }});
+    return;
+  }
+  with_container(path, [&](const Container& container) {
+    const NodeReader reader = open_nodes(container);
+    work({container.shape, container.row_order, container.column_order, container.row_groups, container.column_groups,
+          [&](std::uint32_t row) { return reader.set(reader.node_of_row(row)).members; },
+          [&](std::uint32_t row) {
+            const NodeReader::Cost cost = reader.cost(reader.node_of_row(row));
+            return std::to_string(cost.bytes) + " bytes of " + std::to_string(cost.parts) + " parts";
+          }});
+  });
+}
+
+}  // namespace
+
 void add_row(CLI::App& app) {
   struct Options {
     std::filesystem::path in;
@@ -140,46 +197,40 @@ void add_row(CLI::App& app) {
                  "A line for each run of ids, first and last, instead of one for each id");
   verb->footer("Example: vismat row city32.vmat 17");
   verb->callback([options] {
-    const auto codecs = all_codecs();
-    const RowReader reader(options->in, codecs);
-    std::optional<Permutation> row_order, column_order;
-    std::optional<Partition> row_groups, column_groups;
-    if (!options->as_stored) {
-      row_order = reader.row_order();
-      column_order = reader.column_order();
-      row_groups = reader.row_groups();
-      column_groups = reader.column_groups();
-    }
-    std::uint32_t row = options->row;
-    if (const std::uint32_t rows = row_groups ? row_groups->size() : reader.shape().rows; row >= rows) {
-      throw std::invalid_argument(options->in.string() + ": no row " + std::to_string(row) + "; it has " +
-                                  std::to_string(rows));
-    }
-    if (row_order) row = row_order->new_of_old()[row];
-    if (row_groups) row = row_groups->group_of_member()[row];
-    RowBuffer<std::uint32_t> buffer;
-    const auto stored = reader.ids(row, buffer);
-    std::vector<std::uint32_t> ids(stored.begin(), stored.end());
-    if (column_order) {
-      const auto source_of = column_order->old_of_new();
-      for (std::uint32_t& id : ids) id = source_of[id];
-    }
-    if (column_groups) {
-      const VisibilityMatrix members = column_groups->members();
-      ids.clear();
-      for (const std::uint32_t id : stored) ids.insert(ids.end(), members.row(id).begin(), members.row(id).end());
-    }
-    std::sort(ids.begin(), ids.end());
-    if (options->runs) {
-      for_each_run(ids, [](std::uint32_t first, std::uint32_t count) {
-        std::printf("%u %u\n", first, first + count - 1);
-      });
-    } else {
-      for (const std::uint32_t id : ids) std::printf("%u\n", id);
-    }
-    std::fprintf(stderr, "row %u: %zu of %u visible, %llu bytes\n", options->row, ids.size(),
-                 column_groups ? column_groups->size() : reader.shape().columns,
-                 static_cast<unsigned long long>(reader.row_bytes(row)));
+    with_rows(options->in, [&](const StoredRows& stored) {
+      auto [shape, row_order, column_order, row_groups, column_groups, ids_of, cost_of] = stored;
+      if (options->as_stored) {
+        row_order = column_order = std::nullopt;
+        row_groups = column_groups = std::nullopt;
+      }
+      std::uint32_t row = options->row;
+      if (const std::uint32_t rows = row_groups ? row_groups->size() : shape.rows; row >= rows) {
+        throw std::invalid_argument(options->in.string() + ": no row " + std::to_string(row) + "; it has " +
+                                    std::to_string(rows));
+      }
+      if (row_order) row = row_order->new_of_old()[row];
+      if (row_groups) row = row_groups->group_of_member()[row];
+      std::vector<std::uint32_t> ids = ids_of(row);
+      if (column_order) {
+        const auto source_of = column_order->old_of_new();
+        for (std::uint32_t& id : ids) id = source_of[id];
+      }
+      if (column_groups) {
+        const VisibilityMatrix members = column_groups->members();
+        for (const std::uint32_t id : std::exchange(ids, {}))
+          ids.insert(ids.end(), members.row(id).begin(), members.row(id).end());
+      }
+      std::sort(ids.begin(), ids.end());
+      if (options->runs) {
+        for_each_run(ids, [](std::uint32_t first, std::uint32_t count) {
+          std::printf("%u %u\n", first, first + count - 1);
+        });
+      } else {
+        for (const std::uint32_t id : ids) std::printf("%u\n", id);
+      }
+      std::fprintf(stderr, "row %u: %zu of %u visible, %s\n", options->row, ids.size(),
+                   column_groups ? column_groups->size() : shape.columns, cost_of(row).c_str());
+    });
   });
 }
 
@@ -187,30 +238,38 @@ void add_node(CLI::App& app) {
   struct Options {
     std::filesystem::path in;
     std::uint32_t node = 0;
+    bool ids = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb =
       app.add_subcommand("node", "Decode one tree node's children from a .vmat file, without the rest");
   verb->add_option("FILE", options->in, "A .vmat file of a codec over a tree")->required();
   verb->add_option("NODE", options->node, "Node number, 0 is the root")->required();
-  verb->footer("Example: vismat node city32.vmat 0");
+  verb->add_flag("--ids", options->ids, "Also the numbers in the node's own set, as the file has them");
+  verb->footer(
+      "Over a tree of columns (zach...) a node's set is the view cells that see it, over one of rows (gotsman...) the "
+      "objects that are seen from below it.\n"
+      "Example: vismat node city32.vmat 0");
   verb->callback([options] {
     with_container(options->in, [&](const Container& container) {
-      if (!container.tree || options->node >= container.tree->size()) {
+      const bool over_rows = find_codec(container.codec).over_tree == TreeOver::rows;
+      const auto& tree = over_rows ? container.row_tree : container.tree;
+      if (!tree || options->node >= tree->size()) {
         throw std::invalid_argument(options->in.string() + ": no node " + std::to_string(options->node) +
-                                    "; it has " +
-                                    std::to_string(container.tree ? container.tree->size() : 0));
+                                    "; it has " + std::to_string(tree ? tree->size() : 0));
       }
-      const NodeReader reader(container.codec, container.encoded.payload, container.encoded.index,
-                              container.shape, *container.tree);
-      const auto cells = reader.cells(options->node);
-      const auto children = reader.children(options->node, cells);
-      std::printf("node %u: visible from %zu of %u view cells; %zu children in %llu bytes\n", options->node,
-                  cells.size(), container.shape.rows, children.size(),
+      const NodeReader reader = open_nodes(container);
+      const NodeSet set = reader.set(options->node);
+      const auto children = reader.children(set);
+      const char* const of = over_rows ? "sees" : "visible from";
+      const char* const what = over_rows ? "objects" : "view cells";
+      std::printf("node %u: %s %zu of %u %s; %zu children in %llu bytes\n", options->node, of, set.members.size(),
+                  over_rows ? container.shape.columns : container.shape.rows, what, children.size(),
                   static_cast<unsigned long long>(reader.part_bytes(options->node)));
-      for (std::size_t i = 0; i < children.size(); ++i) {
-        std::printf("  child %8u: visible from %8zu view cells\n", container.tree->children(options->node)[i],
-                    children[i].size());
+      for (const NodeSet& child : children)
+        std::printf("  child %8u: %s %8zu %s\n", child.node, of, child.members.size(), what);
+      if (options->ids) {
+        for (const std::uint32_t id : set.members) std::printf("%u\n", id);
       }
     });
   });

@@ -24,6 +24,7 @@
 #include "layout/random_order.h"
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
+#include "visibility/bounding_volume_tree.h"
 
 namespace vismat::cli {
 namespace {
@@ -99,7 +100,9 @@ void measure_rows(const RowReader& reader, const VisibilityMatrix& matrix, doubl
 }
 
 Figures measure(const Codec& codec, const Dataset& data, double seconds) {
-  const ObjectTree* tree = codec.over_tree ? &*data.tree : nullptr;
+  const ObjectTree* tree = codec.over_tree == TreeOver::nothing ? nullptr
+                           : codec.over_tree == TreeOver::rows  ? &*data.row_tree
+                                                                : &*data.tree;
   const VisibilityMatrix& matrix = data.matrix;
   Figures figures;
   Container container = compress(matrix, codec, tree);
@@ -128,6 +131,7 @@ Subject subject_of(const std::filesystem::path& file, const std::string& order, 
   s.order = order;
   s.data = read_dataset(file);
   const auto [rows, columns] = s.data.matrix.shape();
+  if (!s.data.row_tree && !s.data.row_bounds.empty()) s.data.row_tree = bounding_volume_tree(s.data.row_bounds, 2);
   if (distinct) {
     auto kinds = distinct_columns(s.data.matrix);
     s.permutation_bytes += static_cast<std::uint64_t>(
@@ -224,7 +228,7 @@ void add_compare(CLI::App& app) {
   verb->footer(
       "Bytes are payload and index. Codecs that give rows alone decode row by row into one buffer, others "
       "the whole matrix.\n"
-      "Every codec is checked by a round trip first. Codecs over a tree want a matrix with a tree.\n"
+      "Every codec is checked by a round trip first. Codecs over a tree want a matrix with a tree, over rows one with boxes or with a tree over them.\n"
       "Example: vismat compare koth1.bsp.h5 --orders natural,best --csv koth1.csv");
   verb->callback([options] {
     const auto codecs = codecs_named(options->codecs);
@@ -240,8 +244,10 @@ void add_compare(CLI::App& app) {
         std::uint64_t done = 0;
         for (const Codec& codec : codecs) {
           progress(done++, codecs.size());
-          if (codec.over_tree && !s.nodes) continue;
-          const Figures figures = measure(codec, codec.over_tree ? *s.nodes : s.data, options->seconds);
+          if (codec.over_tree == TreeOver::columns && !s.nodes) continue;
+          if (codec.over_tree == TreeOver::rows && !s.data.row_tree) continue;
+          const Figures figures =
+              measure(codec, codec.over_tree == TreeOver::columns ? *s.nodes : s.data, options->seconds);
           print(s, codec, figures);
           write_csv_line(csv, s, codec, figures);
         }

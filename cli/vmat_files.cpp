@@ -71,6 +71,13 @@ void with_container(const std::filesystem::path& path, const std::function<void(
   }
 }
 
+std::string codec_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  char head[61] = {};  // docs/vmat.md
+  file.read(head, 60);
+  return head + 28;
+}
+
 Dataset read_vmat(const std::filesystem::path& path) {
   Dataset data;
   with_container(path, [&](const Container& container) { data = dataset_of(container); });

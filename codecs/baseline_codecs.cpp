@@ -24,7 +24,7 @@ std::span<const Codec> baseline_codecs() {
 std::vector<Codec> all_codecs() {
   std::vector<Codec> all(own_codecs().begin(), own_codecs().end());
   const auto first_of_paper =
-      std::find_if(all.begin(), all.end(), [](const Codec& c) { return c.over_tree; });
+      std::find_if(all.begin(), all.end(), [](const Codec& c) { return c.over_tree != TreeOver::nothing; });
   const auto baselines = baseline_codecs();
   all.insert(first_of_paper, baselines.begin(), baselines.end());
   return all;

@@ -80,6 +80,21 @@ inline std::uint64_t bits_of_eight(const std::uint8_t* bytes) {
   return eight * 0x0102040810204080u >> 56;
 }
 
+/// Bytes of 0 or 1 as bits, and back.
+inline void put_bits(BitWriter& out, std::span<const std::uint8_t> bits) {
+  std::size_t i = 0;
+  for (; i + 8 <= bits.size(); i += 8) out.put(bits_of_eight(bits.data() + i), 8);
+  for (; i < bits.size(); ++i) out.put(bits[i], 1);
+}
+inline void get_bits(BitReader& in, std::span<std::uint8_t> bits) {
+  std::size_t i = 0;
+  for (; i + 8 <= bits.size(); i += 8) {
+    const std::uint32_t eight = in.get(8);
+    for (unsigned j = 0; j < 8; ++j) bits[i + j] = eight >> j & 1;
+  }
+  for (; i < bits.size(); ++i) bits[i] = static_cast<std::uint8_t>(in.get(1));
+}
+
 /// The 8 bytes from `at` <= bytes.size() on, zeros behind the end.
 inline std::uint64_t word_at(std::span<const std::byte> bytes, std::size_t at) {
   std::uint64_t word = 0;

@@ -33,11 +33,11 @@ struct Name {
 };
 
 template <Name name>
-constexpr Codec over_tree(std::string_view contents, bool wants_row_order) {
+constexpr Codec over_tree(std::string_view contents, TreeOver side, bool wants_row_order = false) {
   Codec codec{};
   codec.name = name.value;
   codec.contents = contents;
-  codec.over_tree = true;
+  codec.over_tree = side;
   codec.wants_row_order = wants_row_order;
   codec.encode = [](const VisibilityMatrix& matrix, const ObjectTree* tree) {
     return encode_over_tree(*make_node_coder(name.value), matrix, tree);
@@ -73,14 +73,20 @@ constexpr std::array table = {
     row_codec<PairRows<AnsCode>>("pair-ans", "gaps and runs, tANS, a table each for all rows"),
     row_codec<EliasFanoRows>("elias-fano", "ids, Elias-Fano"),
     row_codec<PanneRows>("panne", "clusters of common subsets, runs of zeros, a Huffman code each for all rows"),
-    over_tree<"zach0">("children's bits in the parent's cells", false),
-    over_tree<"zach1">("intersection of all children, bits outside it", false),
-    over_tree<"zach2">("intersection of a chosen subset, subset masks, bits outside it", false),
-    over_tree<"zach3-huffman">("run lengths, a Huffman code each for runs of zeros and of ones", true),
+    over_tree<"zach0">("children's bits in the parent's cells", TreeOver::columns),
+    over_tree<"zach1">("intersection of all children, bits outside it", TreeOver::columns),
+    over_tree<"zach2">("intersection of a chosen subset, subset masks, bits outside it", TreeOver::columns),
+    over_tree<"zach3-huffman">("run lengths, a Huffman code each for runs of zeros and of ones",
+                               TreeOver::columns, true),
     over_tree<"zach3-range">("run lengths, range coded, frequencies each for runs of zeros and of ones",
-                             true),
-    over_tree<"zach4-huffman">("ones before each zero, one Huffman code", true),
-    over_tree<"zach4-range">("ones before each zero, range coded", true),
+                             TreeOver::columns, true),
+    over_tree<"zach4-huffman">("ones before each zero, one Huffman code", TreeOver::columns, true),
+    over_tree<"zach4-range">("ones before each zero, range coded", TreeOver::columns, true),
+    over_tree<"gotsman1">("both children's objects", TreeOver::rows),
+    over_tree<"gotsman2">("both children's objects, of the node's", TreeOver::rows),
+    over_tree<"gotsman3">("the first child's objects, of the node's; the second's, of the first's", TreeOver::rows),
+    over_tree<"gotsman3-context">("of each of the node's objects which child sees it, range coded under contexts",
+                                  TreeOver::rows),
 };
 
 }  // namespace

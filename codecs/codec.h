@@ -24,16 +24,19 @@ struct Encoded {
   bool operator==(const Encoded&) const = default;
 };
 
+/// What a codec's tree stands over. columns: its nodes are the columns, and the matrix is monotone over it. rows: binary, and
+/// each leaf holds a row.
+enum class TreeOver { nothing, columns, rows };
+
 /// A plain value. `name` is stored in files and never reused for other bytes.
 struct Codec {
   std::string_view name;
   std::string_view contents;  // what the payload holds, for tables
-  /// Wants a tree whose nodes are the columns, and a matrix that is monotone over it; the others ignore the
-  /// tree.
-  bool over_tree = false;
+  /// The tree that it wants; the others ignore it.
+  TreeOver over_tree = TreeOver::nothing;
   bool wants_row_order =
       false;  // run lengths follow the rows' order; the paper reorders view cells before these
-  /// Throws std::invalid_argument where over_tree and the tree is missing, does not fit or is not monotone.
+  /// Throws std::invalid_argument where the tree that it wants is missing, does not fit or is not monotone.
   Encoded (*encode)(const VisibilityMatrix&, const ObjectTree*) = nullptr;
   /// Throws FormatError on any bytes that encode() cannot have made for this shape and tree, in time and
   /// memory linear in the payload and the matrix that it describes.

@@ -183,7 +183,7 @@ Container compress(const VisibilityMatrix& matrix, const Codec& codec, const Obj
   container.shape = matrix.shape();
   container.ones = matrix.ones();
   container.codec = codec.name;
-  if (tree != nullptr) container.tree = *tree;
+  if (tree != nullptr) (codec.over_tree == TreeOver::rows ? container.row_tree : container.tree) = *tree;
   container.encoded = codec.encode(matrix, tree);
   return container;
 }
@@ -192,10 +192,11 @@ VisibilityMatrix decompress(const Container& container, const Codec& codec) {
   assert(container.codec == codec.name);
   const auto& [payload, index] = container.encoded;
   const Shape shape = claimed_shape(container.shape.rows, container.shape.columns, container.ones);
+  const auto& tree = codec.over_tree == TreeOver::rows ? container.row_tree : container.tree;
   VisibilityMatrix matrix =
       codec.open_rows != nullptr
           ? decode_rows(codec.open_rows, codec.rows_per_part, payload, index, shape, container.ones)
-          : codec.decode(payload, index, shape, container.tree ? &*container.tree : nullptr);
+          : codec.decode(payload, index, shape, tree ? &*tree : nullptr);
   if (matrix.ones() != container.ones) {
     throw FormatError("the payload holds " + std::to_string(matrix.ones()) + " ones; the file states " +
                       std::to_string(container.ones));

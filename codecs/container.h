@@ -21,7 +21,7 @@ struct Container {
   std::uint64_t ones = 0;
   std::string codec;
   Encoded encoded;
-  std::optional<ObjectTree> tree;  // over the columns; to codecs over a tree the columns are its nodes
+  std::optional<ObjectTree> tree;  // over the columns; to codecs over a tree of columns these are its nodes
   std::optional<ObjectTree> row_tree;  // its objects are the rows
   /// Where the rows and columns of the source stand in this file, if it was reordered (Dataset's row_order, column_order), or
   /// which one stands for them, if they were merged (row_groups, column_groups); of a side at most one of the two.
@@ -40,7 +40,7 @@ std::vector<std::byte> write_container(const Container& container);
 /// file's size.
 Container read_container(std::span<const std::byte> bytes);
 
-/// Encodes the matrix as it stands. Throws what the codec throws.
+/// Encodes the matrix as it stands; the container keeps the tree, on the codec's side. Throws what the codec throws.
 Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree = nullptr);
 /// The matrix as it stands in the file. `codec` must be the one that the container names. FormatError where the payload
 /// does not decode to the shape and number of ones that the container states.

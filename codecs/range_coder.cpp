@@ -97,11 +97,30 @@ void RangeEncoder::finish() {
   while (out_.size() > begin_ && out_.back() == std::byte{0}) out_.pop_back();
 }
 
+void RangeDecoder::no_symbol() {
+  throw FormatError("range coder: no symbol stands here");
+}
+
+// What is left of the code value is how far the encoder's last value stands above its low, so the value that it chose can be
+// told without low's higher bytes.
+void RangeDecoder::finish() const {
+  std::uint32_t value = 0;
+  for (std::size_t i = next_ - 4; i < next_; ++i)
+    value = value << 8 | (i < bytes_.size() ? std::to_integer<std::uint32_t>(bytes_[i]) : 0);
+  const std::uint32_t low = value - code_;
+  std::uint32_t above = 0;
+  for (unsigned keep = 0; keep <= 32; keep += 8) {
+    above = (0 - low) & (keep == 32 ? 0 : 0xffffffffu >> keep);
+    if (above < range_) break;
+  }
+  if (above != code_ || bytes_.size() > next_ || (!bytes_.empty() && bytes_.back() == std::byte{0}))
+    throw FormatError("range coder: an encoder ends with other bytes");
+}
+
 std::uint32_t RangeDecoder::get(const FrequencyTable& table) {
   const std::uint32_t unit = range_ >> FrequencyTable::bits;
   const std::uint32_t place = code_ / unit;
-  if (place >= 1u << FrequencyTable::bits || table.empty())
-    throw FormatError("range coder: no symbol stands here");
+  if (place >= 1u << FrequencyTable::bits || table.empty()) no_symbol();
   const std::uint32_t symbol = table.symbol_at(place);
   narrow(unit, table.start(symbol), table.frequency(symbol));
   return symbol;

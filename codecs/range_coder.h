@@ -41,6 +41,10 @@ class RangeEncoder {
     narrow(table.start(symbol), table.frequency(symbol), FrequencyTable::bits);
   }
   void put_raw(std::uint32_t value, unsigned count);  // count <= 30
+  /// A bit that is 1 with probability ones / 2^14, 0 < ones < 2^14.
+  void put_bit(bool bit, std::uint32_t ones) {
+    narrow(bit ? 0 : ones, bit ? ones : (1u << FrequencyTable::bits) - ones, FrequencyTable::bits);
+  }
   /// The fewest bytes that name the final range: zeros at the end are left out, the decoder supplies them.
   void finish();
 
@@ -68,6 +72,18 @@ class RangeDecoder {
   }
   std::uint32_t get(const FrequencyTable& table);  // FormatError where no symbol can stand here
   std::uint32_t get_raw(unsigned count);
+  bool get_bit(std::uint32_t ones) {
+    const std::uint32_t unit = range_ >> FrequencyTable::bits;
+    if (code_ < unit * ones) {
+      narrow(unit, 0, ones);
+      return true;
+    }
+    if (code_ >> FrequencyTable::bits >= unit) no_symbol();
+    narrow(unit, ones, (1u << FrequencyTable::bits) - ones);
+    return false;
+  }
+  /// FormatError unless the bytes are those that an encoder ends with after what was read.
+  void finish() const;
   /// How many bytes past the end were asked for; an honest stream needs at most 4.
   std::size_t overrun() const { return next_ > bytes_.size() ? next_ - bytes_.size() : 0; }
 
@@ -77,6 +93,7 @@ class RangeDecoder {
     ++next_;
     return value;
   }
+  [[noreturn]] static void no_symbol();
   void narrow(std::uint32_t unit, std::uint32_t start, std::uint32_t size) {
     code_ -= unit * start;
     range_ = unit * size;

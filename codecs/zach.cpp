@@ -34,25 +34,19 @@ namespace {
 // --- zach0, zach1, zach2: bits
 // ------------------------------------------------------------------------------
 
-void put_bits(BitWriter& out, std::span<const std::uint8_t> bits) {
-  std::size_t i = 0;
-  for (; i + 8 <= bits.size(); i += 8) out.put(bits_of_eight(bits.data() + i), 8);
-  for (; i < bits.size(); ++i) out.put(bits[i], 1);
-}
-
 // The bits of every child in the set `chosen` (one flag a child): their intersection, then each outside it.
 void put_with_intersection(BitWriter& out, const ChildBits& node, const std::vector<bool>& chosen) {
-  std::vector<std::uint8_t> common(node.cells, 1);
+  std::vector<std::uint8_t> common(node.members, 1);
   for (std::uint32_t i = 0; i < node.children; ++i) {
-    for (std::uint32_t p = 0; chosen[i] && p < node.cells; ++p)
-      common[p] &= node.bits[std::size_t{i} * node.cells + p];
+    for (std::uint32_t p = 0; chosen[i] && p < node.members; ++p)
+      common[p] &= node.bits[std::size_t{i} * node.members + p];
   }
   put_bits(out, common);
-  std::vector<std::uint8_t> outside(node.cells);
+  std::vector<std::uint8_t> outside(node.members);
   for (std::uint32_t i = 0; i < node.children; ++i) {
-    const std::uint8_t* const bits = node.bits.data() + std::size_t{i} * node.cells;
+    const std::uint8_t* const bits = node.bits.data() + std::size_t{i} * node.members;
     std::size_t count = 0;
-    for (std::uint32_t p = 0; p < node.cells; ++p) {
+    for (std::uint32_t p = 0; p < node.members; ++p) {
       outside[count] = bits[p];
       count += !chosen[i] || !common[p];
     }
@@ -61,11 +55,11 @@ void put_with_intersection(BitWriter& out, const ChildBits& node, const std::vec
 }
 
 void get_with_intersection(BitReader& in, ChildBits& node, const std::vector<bool>& chosen) {
-  std::vector<std::uint8_t> common(node.cells);
-  for (auto& bit : common) bit = static_cast<std::uint8_t>(in.get(1));
+  std::vector<std::uint8_t> common(node.members);
+  get_bits(in, common);
   for (std::uint32_t i = 0; i < node.children; ++i) {
-    for (std::uint32_t p = 0; p < node.cells; ++p) {
-      node.bits[std::size_t{i} * node.cells + p] =
+    for (std::uint32_t p = 0; p < node.members; ++p) {
+      node.bits[std::size_t{i} * node.members + p] =
           chosen[i] && common[p] ? 1 : static_cast<std::uint8_t>(in.get(1));
     }
   }
@@ -80,7 +74,7 @@ class PlainBits : public NodeCoder {
   }
   void decode(std::span<const std::byte> part, ChildBits& node) const override {
     BitReader in(part);
-    for (auto& bit : node.bits) bit = static_cast<std::uint8_t>(in.get(1));
+    get_bits(in, node.bits);
     in.finish();
   }
 };
@@ -117,7 +111,7 @@ class SomeIntersected : public NodeCoder {
     std::vector<bool> chosen(node.children);
     for (std::uint32_t i = 0; i < node.children; ++i) chosen[i] = in.get(1) != 0;
     if (std::find(chosen.begin(), chosen.end(), true) == chosen.end()) {
-      for (auto& bit : node.bits) bit = static_cast<std::uint8_t>(in.get(1));
+      get_bits(in, node.bits);
     } else {
       get_with_intersection(in, node, chosen);
     }
@@ -131,17 +125,17 @@ class SomeIntersected : public NodeCoder {
     std::vector<bool> best(k, false);
     std::uint64_t best_saving = 0;
     const auto try_subset = [&](std::uint64_t size, std::uint64_t ones, const auto& is_chosen) {
-      if (size * ones <= node.cells + best_saving) return;
-      best_saving = size * ones - node.cells;
+      if (size * ones <= node.members + best_saving) return;
+      best_saving = size * ones - node.members;
       for (std::uint32_t i = 0; i < k; ++i) best[i] = is_chosen(i);
     };
     if (k <= 10) {
       std::vector<std::uint64_t> cells_of_pattern(std::size_t{1} << k,
                                                   0);  // by the set of children seen there
-      for (std::uint32_t p = 0; p < node.cells; ++p) {
+      for (std::uint32_t p = 0; p < node.members; ++p) {
         std::size_t pattern = 0;
         for (std::uint32_t i = 0; i < k; ++i)
-          pattern |= std::size_t{node.bits[std::size_t{i} * node.cells + p]} << i;
+          pattern |= std::size_t{node.bits[std::size_t{i} * node.members + p]} << i;
         ++cells_of_pattern[pattern];
       }
       for (std::size_t bit = 1; bit < cells_of_pattern.size(); bit *= 2) {  // sums over supersets
@@ -157,18 +151,18 @@ class SomeIntersected : public NodeCoder {
     }
     std::vector<std::pair<std::int64_t, std::uint32_t>> densest;  // (-ones, child)
     for (std::uint32_t i = 0; i < k; ++i) {
-      const auto* bits = node.bits.data() + std::size_t{i} * node.cells;
-      densest.emplace_back(-std::count(bits, bits + node.cells, std::uint8_t{1}), i);
+      const auto* bits = node.bits.data() + std::size_t{i} * node.members;
+      densest.emplace_back(-std::count(bits, bits + node.members, std::uint8_t{1}), i);
     }
     std::sort(densest.begin(), densest.end());
-    std::vector<std::uint8_t> common(node.cells, 1);
+    std::vector<std::uint8_t> common(node.members, 1);
     std::vector<bool> chosen(k, false);
     for (std::uint32_t size = 1; size <= k; ++size) {
       const std::uint32_t child = densest[size - 1].second;
       chosen[child] = true;
       std::uint64_t ones = 0;
-      for (std::uint32_t p = 0; p < node.cells; ++p) {
-        common[p] &= node.bits[std::size_t{child} * node.cells + p];
+      for (std::uint32_t p = 0; p < node.members; ++p) {
+        common[p] &= node.bits[std::size_t{child} * node.members + p];
         ones += common[p];
       }
       try_subset(size, ones, [&](std::uint32_t i) { return chosen[i]; });
@@ -357,7 +351,7 @@ class RangeLengths : public CountedLengths<Lengths> {
 
 }  // namespace
 
-std::unique_ptr<NodeCoder> make_node_coder(std::string_view codec) {
+std::unique_ptr<NodeCoder> make_zach_coder(std::string_view codec) {
   if (codec == "zach0") return std::make_unique<PlainBits>();
   if (codec == "zach1") return std::make_unique<AllIntersected>();
   if (codec == "zach2") return std::make_unique<SomeIntersected>();

@@ -1,7 +1,7 @@
 // Any payload and node index, for every codec: it decodes to the shape asked for or is refused; what ours
 // decode they encode to bytes that mean the same (others' compressors may take a tenth of a second for that).
 //
-//   the codec's name and a zero byte; 1 byte each: rows, columns or leafs, arity, bytes of index; the index, the payload
+//   the codec's name and a zero byte; 1 byte each: rows, columns or leafs, arity (of a tree of columns), bytes of index; the index, the payload
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -22,9 +22,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   size -= static_cast<std::size_t>(zero + 1 - data);
   data = zero + 1;
   Shape shape{data[0], data[1]};
-  const ObjectTree tree =
-      codec.over_tree && shape.columns > 0 ? test::even_tree(shape.columns, 2 + data[2] % 30) : ObjectTree{};
-  if (codec.over_tree) shape.columns = tree.size();
+  ObjectTree tree;
+  if (codec.over_tree == TreeOver::columns) {
+    if (shape.columns > 0) tree = test::even_tree(shape.columns, 2 + data[2] % 30);
+    shape.columns = tree.size();
+  } else if (codec.over_tree == TreeOver::rows && shape.rows > 0) {
+    tree = test::even_tree(shape.rows, 2);
+  }
   const auto rest = std::as_bytes(std::span(data + 4, size - 4));
   const auto index = rest.first(std::min<std::size_t>(data[3], rest.size()));
   try {

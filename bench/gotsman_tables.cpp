@@ -1,0 +1,225 @@
+// Gotsman's methods over trees of view cells, and ours under contexts, beside codecs that know no tree: bytes, and what a row
+// costs that is read alone. Every codec is checked by a round trip and every row of it against the matrix before it is timed.
+//
+//   gotsman_tables --csv FILE MATRIX.bsp.h5 ...
+//
+// A line a matrix, order of columns, tree and codec. Trees: k-d over the cells' boxes, and by sets. A row is read by walking
+// down from the root; row_path_us is the median where what the row before shares of the way is kept, rows in the order of the tree.
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "bench/measure.h"
+#include "codecs/baseline_codecs.h"
+#include "codecs/bitmap.h"
+#include "codecs/container.h"
+#include "codecs/program_codecs.h"
+#include "codecs/row_reader.h"
+#include "codecs/sections.h"
+#include "codecs/tree_coding.h"
+#include "layout/best_order.h"
+#include "layout/random_order.h"
+#include "layout/set_tree.h"
+#include "matrix/atomic_file.h"
+#include "matrix/dataset.h"
+#include "visibility/bounding_volume_tree.h"
+
+namespace {
+
+using namespace vismat;
+using namespace vismat::bench;
+
+struct RowCost {
+  double median_us = 0, high_us = 0, path_us = 0, bytes = 0, parts = 0;
+};
+
+struct Line {
+  std::size_t payload = 0, model = 0, index = 0, tree = 0;
+  double encode_s = 0, decode_s = 0;
+  std::optional<RowCost> row;
+};
+
+double at_share(std::vector<double>& values, double share) {
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+double microseconds_of(const auto& work) {
+  const double start = wall_seconds();
+  work();
+  return 1e6 * (wall_seconds() - start);
+}
+
+void check(bool right, const Codec& codec) {
+  if (!right) throw std::logic_error(std::string(codec.name) + " does not restore its matrix");
+}
+
+RowCost rows_over_tree(const Codec& codec, const Container& container, const VisibilityMatrix& matrix) {
+  const NodeReader reader(codec.name, container.encoded.payload, container.encoded.index, matrix.shape(),
+                          *container.row_tree);
+  const std::uint32_t rows = matrix.shape().rows;
+  RowCost cost;
+  std::vector<double> alone, on_path;
+  const auto shuffled = random_order(rows, 1).old_of_new();
+  for (std::uint32_t i = 0; i < std::min(rows, 2000u); ++i) {
+    const std::uint32_t node = reader.node_of_row(shuffled[i]);
+    NodeSet set;
+    alone.push_back(microseconds_of([&] { set = reader.set(node); }));
+    check(std::ranges::equal(set.members, matrix.row(shuffled[i])), codec);
+    const NodeReader::Cost read = reader.cost(node);
+    cost.bytes += static_cast<double>(read.bytes) / std::min(rows, 2000u);
+    cost.parts += static_cast<double>(read.parts) / std::min(rows, 2000u);
+  }
+  // As the leafs lie in the tree, from left to right.
+  std::vector<std::uint32_t> waiting = {0}, leafs;
+  while (!waiting.empty()) {
+    const std::uint32_t node = waiting.back();
+    waiting.pop_back();
+    const auto children = container.row_tree->children(node);
+    if (children.empty()) leafs.push_back(node);
+    waiting.insert(waiting.end(), children.rbegin(), children.rend());
+  }
+  NodePath path;
+  for (const std::uint32_t leaf : leafs) {
+    on_path.push_back(microseconds_of([&] { reader.set(leaf, path); }));
+    check(
+        std::ranges::equal(path.sets.back().members, matrix.row(container.row_tree->object_of_node()[leaf])),
+        codec);
+  }
+  cost.median_us = at_share(alone, .5);
+  cost.high_us = at_share(alone, .95);
+  cost.path_us = at_share(on_path, .5);
+  return cost;
+}
+
+RowCost rows_alone(const Codec& codec, const Container& container, const VisibilityMatrix& matrix) {
+  const auto file = write_container(container);
+  const RowReader reader(file, std::span(&codec, 1));
+  const std::uint32_t rows = matrix.shape().rows;
+  RowCost cost;
+  std::vector<double> alone;
+  RowBuffer<std::uint32_t> buffer;
+  for (const std::uint32_t row : random_order(rows, 1).old_of_new()) {
+    std::span<const std::uint32_t> ids;
+    alone.push_back(microseconds_of([&] { ids = reader.ids(row, buffer); }));
+    check(std::ranges::equal(ids, matrix.row(row)), codec);
+    cost.bytes += static_cast<double>(reader.row_bytes(row)) / rows;
+  }
+  cost.median_us = cost.path_us = at_share(alone, .5);
+  cost.high_us = at_share(alone, .95);
+  cost.parts = 1;
+  return cost;
+}
+
+Line measure(const Codec& codec, const VisibilityMatrix& matrix, const std::optional<ObjectTree>& tree,
+             double seconds) {
+  const ObjectTree* const over = tree ? &*tree : nullptr;
+  Container container = compress(matrix, codec, over);
+  check(decompress(container, codec) == matrix, codec);
+  Line line;
+  line.payload = container.encoded.payload.size();
+  line.index = container.encoded.index.size();
+  line.tree = tree_bytes(container.row_tree).size();
+  line.encode_s = time_passes(seconds, [&] { codec.encode(matrix, over); }).median;
+  line.decode_s = time_passes(seconds, [&] { decompress(container, codec); }).median;
+  if (matrix.shape().rows == 0) return line;
+  if (codec.over_tree == TreeOver::rows) {
+    line.model =
+        NodeReader(codec.name, container.encoded.payload, container.encoded.index, matrix.shape(), *tree)
+            .model_bytes();
+    line.row = rows_over_tree(codec, container, matrix);
+  } else if (codec.open_rows != nullptr) {
+    line.row = rows_alone(codec, container, matrix);
+  }
+  return line;
+}
+
+void add_lines(const Dataset& data, const std::string& name, const std::string& order, double seconds,
+               std::string& csv) {
+  const VisibilityMatrix& matrix = data.matrix;
+  const Shape shape = matrix.shape();
+  std::printf("\n%s, columns %s: %u cells, %u objects, bitmap %ju bytes\n", name.c_str(), order.c_str(),
+              shape.rows, shape.columns, std::uintmax_t{bitmap_size(shape)});
+  std::printf("  %-8s %-17s %10s %8s %8s %8s %8s %8s %8s %9s %9s %9s %9s %6s\n", "tree", "codec", "payload",
+              "ratio", "model", "index", "tree", "enc. ms", "dec. ms", "row us", "95 %", "on path",
+              "row bytes", "parts");
+  const auto add = [&](const std::string& tree_name, const Codec& codec,
+                       const std::optional<ObjectTree>& tree) {
+    const Line line = measure(codec, matrix, tree, seconds);
+    const RowCost row = line.row.value_or(RowCost{});
+    std::printf(
+        "  %-8s %-17s %10zu %7.2fx %8zu %8zu %8zu %8.1f %8.1f", tree_name.c_str(),
+        std::string(codec.name).c_str(), line.payload,
+        static_cast<double>(bitmap_size(shape)) / static_cast<double>(std::max<std::size_t>(line.payload, 1)),
+        line.model, line.index, line.tree, 1e3 * line.encode_s, 1e3 * line.decode_s);
+    if (line.row)
+      std::printf(" %9.2f %9.2f %9.2f %9.0f %6.1f", row.median_us, row.high_us, row.path_us, row.bytes,
+                  row.parts);
+    std::printf("\n");
+    std::fflush(stdout);
+    csv += csv_line(name, shape.rows, shape.columns, matrix.ones(), order, tree_name, codec.name,
+                    line.payload, line.model, line.index, line.tree, line.encode_s, line.decode_s);
+    csv.pop_back();
+    csv +=
+        line.row ? "," + csv_line(row.median_us, row.high_us, row.path_us, row.bytes, row.parts) : ",,,,,\n";
+  };
+  for (const char* codec : {"pair-ans", "gzip", "xz"}) add("", find_codec(codec), {});
+  for (const Codec& codec : program_codecs()) {
+    if (codec.name == "zpaq" && program_available(codec)) add("", codec, {});
+  }
+  const auto add_tree = [&](const char* tree_name, const ObjectTree& tree) {
+    for (const char* codec : {"gotsman1", "gotsman2", "gotsman3", "gotsman3-context"})
+      add(tree_name, find_codec(codec), tree);
+  };
+  if (!data.row_bounds.empty()) add_tree("k-d", bounding_volume_tree(data.row_bounds, 2));
+  add_tree("by sets", tree_by_sets(matrix));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Gotsman's subset coding over trees of view cells.");
+  std::filesystem::path csv_file;
+  std::vector<std::filesystem::path> files;
+  std::vector<std::string> orders = {"natural", "best"};
+  double seconds = .2;
+  app.add_option("--csv", csv_file, "Where to write the table of commas");
+  app.add_option("--orders", orders, "Of the columns: natural, best")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"natural", "best"}));
+  app.add_option("--seconds", seconds, "For each time: runs begin as long as this; the median counts")
+      ->capture_default_str();
+  app.add_option("matrices", files, "Matrix files")->required();
+  CLI11_PARSE(app, argc, argv);
+  try {
+    std::string csv =
+        "matrix,rows,columns,ones,order,tree,codec,payload_bytes,model_bytes,index_bytes,tree_bytes,encode_s,"
+        "decode_s,"
+        "row_us,row_us_95,row_path_us,row_bytes_read,row_parts_read\n";
+    for (const auto& file : files) {
+      const Dataset data = read_dataset(file);
+      for (const std::string& order : orders) {
+        if (order == "natural")
+          add_lines(data, name_of(file), order, seconds, csv);
+        else
+          add_lines(
+              reordered(data, Permutation::identity(data.matrix.shape().rows), best_order(data.matrix, {})),
+              name_of(file), order, seconds, csv);
+      }
+    }
+    if (!csv_file.empty()) write_file(csv_file, std::as_bytes(std::span(csv)));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "gotsman_tables: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
