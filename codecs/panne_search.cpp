@@ -23,6 +23,8 @@ struct Effort {
   unsigned tables, window;
 };
 
+constexpr std::size_t most_seen = 2048;
+
 struct Pair {
   std::int64_t saved = 0;
   std::uint32_t a = 0, b = 0;  // a < b
@@ -52,8 +54,8 @@ class Search {
       rounds(effort, [this](Known& known) { join_round(known); });
       if (over()) break;
       if (table_.price() + before / 200 < before) continue;
-      if (options_.seconds == 0 || (effort.tables >= 64 && table_.price() == before)) break;
-      if (effort.tables < 64) effort = {effort.tables * 2, effort.window * 2};
+      if (options_.seconds == 0 || (effort.tables >= 32 && table_.price() == before)) break;
+      if (effort.tables < 32) effort = {effort.tables * 2, effort.window * 3 / 2};
     }
     if (options_.progress) options_.progress(1, 1);
     return std::move(table_);
@@ -140,7 +142,9 @@ class Search {
     std::vector<std::array<std::uint64_t, 2>> least;  // an item's hashes, table after table
     std::vector<std::array<Pair, partners>> best;     // with items of higher numbers
     std::vector<std::uint8_t> changed;                // since then
+    std::vector<std::vector<std::uint32_t>> seen;     // of these, those that were looked at; ascending
     void resize(std::size_t items) {
+      seen.resize(items);
       least.resize(items * effort.tables);
       best.resize(items);
       changed.resize(items, 1);
@@ -204,18 +208,25 @@ class Search {
       for (Pair& pair : best) {
         if (pair.saved > 0 && known.changed[pair.b]) pair = {};
       }
-      std::vector<std::uint32_t> near;
+      auto& seen = known.seen[item];
+      if (known.changed[item] || seen.size() > most_seen) seen.clear();
+      std::erase_if(seen, [&](std::uint32_t other) { return known.changed[other]; });
+      std::vector<std::uint32_t> near, all_seen;
       for (std::size_t o = 0; o < orders.size(); ++o) {
         const std::size_t place = places[o][item], window = known.effort.window;
         const std::size_t end = std::min(orders[o].size(), place + window + 1);
         for (std::size_t p = place - std::min(place, window); p < end; ++p) {
-          const std::uint32_t other = orders[o][p];
-          if (other > item && (o + 1 < orders.size() || known.changed[item] || known.changed[other]))
-            near.push_back(other);
+          if (orders[o][p] > item) near.push_back(orders[o][p]);
         }
       }
       std::sort(near.begin(), near.end());
       near.erase(std::unique(near.begin(), near.end()), near.end());
+      std::erase_if(near, [&, next = seen.begin()](std::uint32_t other) mutable {
+        next = std::lower_bound(next, seen.end(), other);
+        return next != seen.end() && *next == other;
+      });
+      std::ranges::set_union(seen, near, std::back_inserter(all_seen));
+      seen = std::move(all_seen);
       std::vector<std::pair<std::uint32_t, std::uint32_t>> most;  // in common, partner
       for (const std::uint32_t other : near) {
         const std::uint32_t shared = common(item, other);

@@ -213,19 +213,19 @@ bool PanneTable::group_equal_columns(const VisibilityMatrix& matrix) {
 void PanneTable::keep_reach(std::uint32_t list, List& common) const {
   if (is_row(list) || common.empty()) return;
   const List& symbols = lists_[list];
-  std::size_t taken = 0;
+  std::size_t met = 0, kept = 0;  // of the common ones
   bool broken = false;
   std::uint32_t to = first(symbols[0]);
   for (std::size_t i = 0; i < symbols.size() && first(symbols[i]) == to; to = reach(symbols[i++])) {
-    if (taken < common.size() && common[taken] == symbols[i]) {
-      if (broken)
-        common.erase(common.begin() + static_cast<std::ptrdiff_t>(taken));
-      else
-        ++taken;
+    if (met == common.size() || common[met] != symbols[i]) {
+      broken = met > 0;
     } else {
-      broken = taken > 0;
+      if (!broken) common[kept++] = common[met];
+      ++met;
     }
   }
+  common.erase(common.begin() + static_cast<std::ptrdiff_t>(kept),
+               common.begin() + static_cast<std::ptrdiff_t>(met));
 }
 
 std::int64_t PanneTable::saved_by_sharing(std::uint32_t a, std::uint32_t b, List& common) const {
@@ -336,13 +336,6 @@ std::int64_t PanneTable::saved_in(std::uint32_t l, std::uint32_t x, std::uint32_
   const bool row = is_row(l);
   if (!row && list.size() == 2) return 0;  // the cluster itself, or its like
   const std::size_t i = place_of(l, x), j = place_of(l, y);
-  if (!row && j > i + 1) {  // y must not be what the list reaches on through
-    std::uint32_t to = first(list[0]);
-    std::size_t end = 0;
-    while (end < list.size() && first(list[end]) == to) to = reach(list[end++]);
-    if (j < end) return 0;
-  }
-  // Both are priced with the runs that they stand in and what comes behind; the rest stays as it is.
   const auto begin_of = [&](std::size_t place) {
     while (place > (row ? 0u : 1u) && follows(list, place)) --place;
     return place;
@@ -352,6 +345,19 @@ std::int64_t PanneTable::saved_in(std::uint32_t l, std::uint32_t x, std::uint32_
     while (place < list.size() && follows(list, place));
     return place;
   };
+  // An object within a long run is not worth a look: the run would become two.
+  constexpr std::size_t far = 16;
+  for (const std::size_t place : {i, j}) {
+    if (place >= far && place + far < list.size() && is_object(list[place]) &&
+        list[place + far] == list[place - far] + 2 * far)
+      return 0;
+  }
+  if (!row && j > i + 1) {  // y must not be what the list reaches on through
+    std::size_t k = j;
+    while (k > 0 && first(list[k]) == reach(list[k - 1])) --k;
+    if (k == 0) return 0;
+  }
+  // Both are priced with the runs that they stand in and what comes behind; the rest stays as it is.
   const auto saved_between = [&](std::size_t begin, std::size_t end) {
     Pricer before(*this, begin == 0 ? 0 : reach(list[begin - 1])), after = before;
     std::size_t k = begin;

@@ -224,8 +224,13 @@ struct List {
 };
 
 // A payload by hand: how many clusters begin at each column, their lists in order, one row.
-VisibilityMatrix decode(const std::vector<std::uint32_t>& heads, const std::vector<List>& clusters,
-                        const std::vector<Step>& row) {
+struct ByHand {
+  Bytes payload;
+  std::uint64_t model_bytes;
+  std::uint32_t columns;
+};
+ByHand write_by_hand(const std::vector<std::uint32_t>& heads, const std::vector<List>& clusters,
+                     const std::vector<Step>& row) {
   PanneCode steps(PanneCode::steps), runs, ranks, leads, head_code;
   const auto each = [&](const auto& visit, const std::vector<Step>& list) {
     for (const Step& step : list) {
@@ -259,12 +264,17 @@ VisibilityMatrix decode(const std::vector<std::uint32_t>& heads, const std::vect
   };
   if (!clusters.empty()) all_clusters(put);
   bits.flush();
-  const std::uint64_t begin = payload.size();
+  const std::uint64_t model_bytes = payload.size();
   each(put, row);
   bits.flush();
-  const auto columns = static_cast<std::uint32_t>(heads.size());
-  return find_codec("panne").decode(
-      payload, row_index_bytes(std::vector<std::uint64_t>{begin, payload.size()}), {1, columns}, nullptr);
+  return {std::move(payload), model_bytes, static_cast<std::uint32_t>(heads.size())};
+}
+
+VisibilityMatrix decode(const std::vector<std::uint32_t>& heads, const std::vector<List>& clusters,
+                        const std::vector<Step>& row) {
+  const ByHand file = write_by_hand(heads, clusters, row);
+  const auto index = row_index_bytes(std::vector<std::uint64_t>{file.model_bytes, file.payload.size()});
+  return find_codec("panne").decode(file.payload, index, {1, file.columns}, nullptr);
 }
 
 std::vector<std::uint32_t> heads_at(std::uint32_t columns, std::initializer_list<std::uint32_t> at) {
@@ -278,6 +288,22 @@ TEST(PanneDecoder, ReadsClustersByHand) {
   const auto matrix = decode(heads_at(100, {3, 3}), {{0, {run(1, 2)}}, {1, {object(4)}}},
                              {object(1), cluster(1, 2), run(16, 3)});
   EXPECT_EQ(matrix, VisibilityMatrix::from_rows({{1, 3, 5, 6, 8, 20, 21, 22}}, 100));
+}
+
+// docs/vmat.md has these bytes.
+TEST(PanneDecoder, ReadsThePagesClusters) {
+  const ByHand file = write_by_hand(heads_at(24, {3, 3}), {{0, {run(1, 2)}}, {1, {object(4)}}},
+                                    {object(1), cluster(1, 2), run(16, 3)});
+  std::string hex;
+  for (const std::byte byte : file.payload) {
+    for (const unsigned half : {std::to_integer<unsigned>(byte) >> 4, std::to_integer<unsigned>(byte) & 15})
+      hex += "0123456789abcdef"[half];
+  }
+  hex.insert(2 * file.model_bytes, " ");
+  EXPECT_EQ(hex,
+            "0200031003f0f0f0f0f0f0f0f0f0f03003d003f0f0f0f0f0f0f0f0f07002f0f0f0f0f0f0f0f0"
+            "f0f0500211f0f0f0f0f0f0f0f0f0f0500001f0f0f0f0f0f0f0f0f0f05011f0f0f0f0f0f0f0f0"
+            "f0f050010001f0f0f0f0f0f0f0f0f0f040080000c615 c10b");
 }
 
 TEST(PanneDecoder, RefusesWhatHoldsItself) {
