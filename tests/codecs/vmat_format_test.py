@@ -61,12 +61,132 @@ class File:
         data = self.sections["payload"][places[row]:places[row + 1]]
         if self.codec == "bitmap" or len(data) == -(-self.columns // 8):  # the escape
             return [column for column, bit in enumerate(bits_of(data)) if bit]
+        if self.codec == "panne":
+            model = Clusters(self.sections["payload"][:places[0]], self.columns)
+            return model.row(data)
         assert self.codec == "delimiter"
         numbers, ids, column = delimiter_numbers(data), [], 0
         for i, (gap, count) in enumerate(zip(numbers[::2], numbers[1::2])):
             column += gap - (i == 0)
             ids += range(column, column + count)
             column += count
+        return ids
+
+
+class Bits:
+    """Bits from the lowest of each byte on, codes and lengths among them."""
+
+    def __init__(self, data):
+        self.bits, self.at = bits_of(data), 0
+
+    def take(self, count):
+        self.at += count
+        assert self.at <= len(self.bits)
+        return self.bits[self.at - count:self.at]
+
+    def symbol(self, code):
+        text = ""
+        while text not in code:
+            assert len(text) < 15
+            text += str(self.take(1)[0])
+        return code[text]
+
+    def length(self, code):
+        """A length, and which hundred and sixty-eight its symbol is of."""
+        kind, symbol = divmod(self.symbol(code), 168)
+        if symbol < 64:
+            return symbol + 1, kind
+        e, mm = 6 + (symbol - 64) // 4, (symbol - 64) % 4
+        raw = sum(bit << i for i, bit in enumerate(self.take(e - 2)))
+        return (1 << e) + (mm << (e - 2)) + raw, kind
+
+    def finish(self):
+        assert len(self.bits) - self.at < 8 and not any(self.bits[self.at:])
+
+
+def huffman_code(data, at, symbols):
+    """Symbols by their codes as text, and where the code's bytes end."""
+    lengths = []
+    while len(lengths) < symbols:
+        lengths += [data[at] & 15] * ((data[at] >> 4) + 1)
+        at += 1
+    assert len(lengths) == symbols
+    codes, code, last = {}, 0, 0
+    for length, symbol in sorted((length, symbol) for symbol, length in enumerate(lengths) if length):
+        code <<= length - last
+        codes[format(code, f"0{length}b")], last = symbol, length
+        code += 1
+    return codes, at
+
+
+class Clusters:
+    """The model of codec panne."""
+
+    def __init__(self, model, columns):
+        clusters, at, shift = 0, 0, 0
+        while True:
+            byte, at = model[at], at + 1
+            clusters |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                break
+        self.steps, at = huffman_code(model, at, 3 * 168 + 1)
+        self.runs, at = huffman_code(model, at, 168)
+        self.at_column = [[] for _ in range(columns)]  # a cluster: its lead, its steps
+        if clusters:
+            self.ranks, at = huffman_code(model, at, 168)
+            leads, at = huffman_code(model, at, 168)
+            heads, at = huffman_code(model, at, 168)
+            bits = Bits(model[at:])
+            counts = [bits.length(heads)[0] - 1 for _ in range(columns)]
+            assert sum(counts) == clusters
+            for column, count in enumerate(counts):
+                for _ in range(count):
+                    self.at_column[column].append((bits.length(leads)[0] - 1, self.read_steps(bits)))
+            bits.finish()
+        else:
+            assert at == len(model)
+
+    def read_steps(self, bits):
+        steps = []
+        while True:
+            number, kind = bits.length(self.steps)
+            if kind == 3:
+                return steps
+            code = (None, self.runs, self.ranks)[kind] if kind else None
+            steps.append((number - 1, kind, bits.length(code)[0] if code else 1))
+
+    def follow(self, steps, reach):
+        """Ids of steps in turn, and where each begins and reaches to."""
+        ids, places = [], []
+        for zeros, kind, count in steps:
+            begin = reach + zeros
+            if kind == 2:
+                inner, reach = self.cluster(begin, count)
+                ids += inner
+            else:
+                reach = begin + (count + 1 if kind else 1)
+                ids += range(begin, reach)
+            places.append((begin, reach))
+        return ids, places
+
+    def cluster(self, column, rank):
+        lead, steps = self.at_column[column][rank - 1]
+        ids, reach = self.cluster(column, lead) if lead else ([column], column + 1)
+        more, places = self.follow(steps, reach)
+        for begin, end in places:
+            if begin == reach:
+                reach = end
+        return ids + more, reach
+
+    def row(self, data):
+        if not data:
+            return []
+        bits = Bits(data)
+        steps = self.read_steps(bits)
+        bits.finish()
+        ids = sorted(self.follow(steps, 0)[0])
+        assert steps and len(set(ids)) == len(ids)
         return ids
 
 
@@ -116,6 +236,10 @@ class Format(unittest.TestCase):
         expected = re.search(r"^\| delimiter \| `([0-9a-f]+)` \|$", PAGE, re.M).group(1)
         self.assertEqual(delimiter_bytes([5, 2, 1, 1, 3, 1, 70, 4, 1, 2]).hex(), expected)
 
+    def test_the_pages_clusters(self):
+        model, row = re.search(r"^A model and a row of 24 columns: `([0-9a-f]+)`\n`([0-9a-f]+)`", PAGE, re.M).groups()
+        self.assertEqual(Clusters(bytes.fromhex(model), 24).row(bytes.fromhex(row)), [1, 3, 5, 6, 8, 20, 21, 22])
+
     def test_what_the_program_writes(self):
         random.seed(1)
         rows = [sorted(random.sample(range(300), count)) for count in (0, 1, 5, 300, 150, 20, 3)] * 30
@@ -124,7 +248,7 @@ class Format(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
             (folder / "m.mtx").write_text(f"%%MatrixMarket matrix coordinate pattern general\n{len(rows)} 300 {len(lines)}\n" + "\n".join(lines) + "\n")
-            for codec in ("delimiter", "bitmap"):
+            for codec in ("delimiter", "bitmap", "panne"):
                 subprocess.run([VISMAT, "encode", folder / "m.mtx", "--codec", codec, "-o", folder / "m.vmat"], check=True, capture_output=True)
                 file = File((folder / "m.vmat").read_bytes())
                 for r, row in enumerate(rows):
