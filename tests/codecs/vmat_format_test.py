@@ -220,6 +220,170 @@ def delimiter_numbers(data):
     return []
 
 
+class Bytes:
+    def __init__(self, data):
+        self.data, self.at = data, 0
+
+    def byte(self):
+        self.at += 1
+        return self.data[self.at - 1]
+
+    def varint(self):
+        value = shift = 0
+        while True:
+            byte = self.byte()
+            value |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                return value
+
+    def take(self, count):
+        self.at += count
+        assert self.at <= len(self.data)
+        return self.data[self.at - count:self.at]
+
+    def question_tree(self):
+        """A question and two trees, or a probability out of 2^14. Takes whole bytes."""
+        pool = []  # bits of the last byte that are left
+
+        def number(count):
+            while len(pool) < count:
+                pool.extend(bits_of([self.byte()]))
+            value = sum(bit << i for i, bit in enumerate(pool[:count]))
+            del pool[:count]
+            return value
+
+        def node():
+            if number(1):
+                question = number(6)
+                return question, node(), node()
+            code = number(8)
+            h, z = code & 127, code >> 7
+            s = h if h < 8 else (8 + h % 8) << (h // 8 - 1)
+            return 2**14 - s if z else s
+
+        tree = node()
+        assert not any(pool)
+        return tree
+
+
+class RangeDecoder:
+    def __init__(self, data):
+        self.data, self.at, self.range, self.code = data, 4, 2**32 - 1, int.from_bytes((data + bytes(4))[:4], "big")
+
+    def bit(self, ones):
+        unit = self.range >> 14
+        bit = self.code < unit * ones
+        start, size = (0, ones) if bit else (ones, 2**14 - ones)
+        self.code -= unit * start
+        self.range = unit * size
+        while self.range < 2**24:
+            self.range <<= 8
+            self.code = self.code << 8 | (self.data[self.at] if self.at < len(self.data) else 0)
+            self.at += 1
+        return int(bit)
+
+
+def gamma_numbers(data):
+    bits, numbers = bits_of(data), []
+    end = max(i for i, bit in enumerate(bits) if bit) if any(bits) else 0
+    at = 0
+    while at < end:
+        zeros = bits[at:].index(1)
+        at += zeros + 1
+        numbers.append(1 << zeros | sum(bit << i for i, bit in enumerate(bits[at:at + zeros])))
+        at += zeros
+    return numbers
+
+
+class Gotsman:
+    """All rows out of a payload over a tree of rows, given as the children and the row of each node."""
+
+    def __init__(self, codec, columns, children, row_of_node, index, payload):
+        self.codec, self.columns, self.children = codec, columns, children
+        payload, sizes = Bytes(payload), Bytes(index)
+        everything = payload.byte()
+        if codec == "gotsman3-context":
+            self.trees = payload.question_tree(), payload.question_tree()
+        seen = range(columns) if everything else self.root(payload.take(sizes.varint()))
+        self.parts = {node: payload.take(sizes.varint()) for node in range(len(children)) if children[node]}
+        assert payload.at == len(payload.data) and sizes.at == len(sizes.data)
+        self.rows = {}
+        waiting = [(0, list(seen), [], False)]
+        while waiting:
+            node, seen, siblings, first = waiting.pop()
+            if not children[node]:
+                self.rows[row_of_node[node]] = seen
+                continue
+            b, c = self.split(node, seen, siblings, first)
+            waiting.append((children[node][0], b, [set(c)] + siblings, True))
+            waiting.append((children[node][1], c, [set(b)] + siblings, False))
+
+    def root(self, data):
+        if self.codec != "gotsman3-context":
+            return [column for column, bit in enumerate(bits_of(data)) if bit]
+        ids, column, numbers = [], -1, gamma_numbers(data)
+        for gap, count in zip(numbers[::2], numbers[1::2]):
+            column += gap
+            ids += range(column, column + count)
+            column += count
+        return ids
+
+    def leafs(self, node):
+        return sum(map(self.leafs, self.children[node])) if self.children[node] else 1
+
+    def split(self, node, a, siblings, first):
+        bits = iter(bits_of(self.parts[node]))
+        if self.codec == "gotsman1":
+            sets = [[column for column in range(self.columns) if next(bits)] for _ in range(2)]
+            assert sorted({*sets[0], *sets[1]}) == a
+            return sets
+        if self.codec == "gotsman2":
+            return [[column for column in a if next(bits)] for _ in range(2)]
+        if self.codec == "gotsman3":
+            b = [column for column in a if next(bits)]
+            return b, [column for column in a if column not in b or next(bits)]
+        trits, of_column, decoder, seen = [], {}, RangeDecoder(self.parts[node]), set(a)
+        history = {column: tuple(column in s for s in siblings) + (False,) * 8 for column in a}
+        leafs = self.leafs(node)
+        for i, p in enumerate(a):
+            answers = [0] * 44
+
+            def trit(at, value):
+                answers[at], answers[at + 1] = value & 1, value >> 1
+
+            def last_like(length):
+                return next((of_column[q] for q in reversed(a[:i]) if history[q][:length] == history[p][:length]), 0)
+
+            trit(0, of_column.get(p - 1, 0))
+            trit(2, of_column.get(p - 2, 0))
+            answers[4], answers[5] = p + 1 in seen, p + 2 in seen
+            trit(6, trits[-1] if i > 0 else 0)
+            trit(8, trits[-2] if i > 1 else 0)
+            answers[10:14] = history[p][:4]
+            for at, length in zip(range(14, 26, 2), (1, 2, 4, 6, 8, None)):
+                trit(at, last_like(length))
+            if i > 0:
+                answers[26] = history[a[i - 1]][:4] == history[p][:4]
+                answers[27] = history[a[i - 1]] == history[p]
+            answers[28] = i >= 5 and len(set(trits[-5:])) == 1
+            answers[29] = i >= 17 and len(set(trits[-17:])) == 1
+            ones, twos, n = (trits.count(value) for value in (1, 2, 3))
+            answers[30:38] = (2 * n > i, 4 * n > 3 * i, 8 * n > 7 * i, 32 * n > 31 * i, 4 * n < i, ones > twos,
+                              ones > 3 * twos, twos > 3 * ones)
+            answers[38:43] = (leafs <= most for most in (2, 4, 8, 32, 128))
+            answers[43] = first
+
+            def bit(tree):
+                while isinstance(tree, tuple):
+                    tree = tree[2 if answers[tree[0]] else 1]
+                return decoder.bit(tree)
+
+            trits.append(3 if bit(self.trees[0]) else 2 if bit(self.trees[1]) else 1)
+            of_column[p] = trits[-1]
+        return [p for p in a if of_column[p] & 1], [p for p in a if of_column[p] & 2]
+
+
 class Format(unittest.TestCase):
     def test_the_pages_own_file(self):
         block = re.search(r"^A whole file.*?```\n(.*?)```", PAGE, re.M | re.S).group(1)
@@ -253,6 +417,51 @@ class Format(unittest.TestCase):
                 file = File((folder / "m.vmat").read_bytes())
                 for r, row in enumerate(rows):
                     self.assertEqual(file.row(r), row, f"{codec}, row {r}")
+
+    def test_the_pages_gotsman_vectors(self):
+        matrices = {
+            "small": (8, [[0, 1, 2, 5], [0, 1, 2, 6], [1, 2, 3, 6], [3, 6]]),
+            "large": (64, [[c for c in range(64) if (c - 3 * r) % 64 < 12 or (c % 8 == 0 and r % 4 < 2 and c < 60 and c != 24)]
+                           for r in range(16)]),
+        }
+        vectors = re.findall(r"^\| `(gotsman[^`]*)` \| (small|large) \| `([0-9a-f]+)` \| `([0-9a-f]+)` \|$", PAGE, re.M)
+        self.assertEqual(len(vectors), 5)
+        for codec, matrix, index, payload in vectors:
+            columns, rows = matrices[matrix]
+            n = len(rows)
+            children = [(2 * i + 1, 2 * i + 2) if i < n - 1 else () for i in range(2 * n - 1)]
+            read = Gotsman(codec, columns, children, range(1 - n, n), bytes.fromhex(index), bytes.fromhex(payload))
+            self.assertEqual([read.rows[r] for r in range(n)], rows, f"{codec}, {matrix}")
+
+    def test_what_the_program_writes_over_a_tree_of_rows(self):
+        random.seed(2)
+        lines, seen = [], set(range(40, 90))
+        for r in range(150):
+            for _ in range(3):
+                seen ^= set(range(start := random.randrange(200), start + random.randrange(9)))
+            lines += [f"{r + 1} {c + 1}" for c in sorted(seen)]
+        rows = [[] for _ in range(150)]
+        for line in lines:
+            r, c = map(int, line.split())
+            rows[r - 1].append(c - 1)
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            (folder / "m.mtx").write_text(f"%%MatrixMarket matrix coordinate pattern general\n150 220 {len(lines)}\n" + "\n".join(lines) + "\n")
+            subprocess.run([VISMAT, "tree", folder / "m.mtx", "--side", "rows", "--by", "sets", "-o", folder / "m.bsp.h5"], check=True, capture_output=True)
+            for codec in ("gotsman1", "gotsman2", "gotsman3", "gotsman3-context"):
+                subprocess.run([VISMAT, "encode", folder / "m.bsp.h5", "--codec", codec, "-o", folder / "m.vmat"], check=True, capture_output=True)
+                file = File((folder / "m.vmat").read_bytes())
+                tree = Bytes(file.sections["row tree"])
+                self.assertEqual(tree.varint(), 150)
+                count = tree.varint()
+                children = [[] for _ in range(count)]
+                for node in range(1, count):
+                    children[node - tree.varint()].append(node)
+                row_of_node = [tree.varint() - 1 for _ in range(count)]
+                read = Gotsman(codec, file.columns, children, row_of_node, file.sections["index"], file.sections["payload"])
+                self.assertEqual([read.rows[r] for r in range(150)], rows, codec)
+                said = subprocess.run([VISMAT, "row", folder / "m.vmat", "17"], check=True, capture_output=True, text=True).stdout
+                self.assertEqual(list(map(int, said.split())), rows[17], codec)
 
 
 if __name__ == "__main__":
