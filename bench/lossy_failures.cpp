@@ -152,6 +152,7 @@ std::string dense_rows(const std::vector<Subject>& subjects, const Options& opti
     for (const double lost : {options.lost, 4 * options.lost}) {
       for (const char* method : {"pairs", "seeds"}) {
         add(0, 1, method, 1, lost);
+        if (method == std::string("pairs")) add(0, 1, method, .2, lost);
         for (const double share : {.9, 1.}) {
           for (const std::uint32_t dense : {1u, many}) {
             add(dense, share, method, 1, lost);
