@@ -64,17 +64,59 @@ double code_bits(std::uint64_t ones, std::uint64_t count) {
          static_cast<double>(count - ones) * std::log2(2 * half / (2 * half - share));
 }
 
-// Bit j of word i and bit i of word j change places [Warren, Hacker's Delight, 7-3].
-void transpose_words(std::array<std::uint64_t, 64>& words) {
-  std::uint64_t mask = 0x00000000ffffffff;
-  for (unsigned j = 32; j != 0; j /= 2, mask ^= mask << j) {
-    for (unsigned k = 0; k < 64; k = ((k | j) + 1) & ~j) {
-      const std::uint64_t swapped = (words[k] >> j ^ words[k | j]) & mask;
-      words[k] ^= swapped << j;
-      words[k | j] ^= swapped;
+using Words = std::array<std::uint64_t, 64>;
+
+// Swaps the blocks of Size x Size bits beside the diagonal, the step for Size of what transposes all 64 x 64.
+template <unsigned Size>
+[[gnu::always_inline]] inline void swap_blocks(Words& words) {
+  constexpr std::uint64_t low =
+      ~std::uint64_t{0} / ((std::uint64_t{1} << Size) + 1);  // Size ones, Size zeros, ...
+  for (unsigned begin = 0; begin < 64; begin += 2 * Size) {
+    for (unsigned k = begin; k < begin + Size; ++k) {
+      const std::uint64_t swapped = (words[k] >> Size ^ words[k + Size]) & low;
+      words[k] ^= swapped << Size;
+      words[k + Size] ^= swapped;
     }
   }
 }
+
+struct Counts {
+  Words answers{}, both{};  // of each question: answered by 1; that, and the outcome is 1
+};
+
+[[gnu::always_inline]] inline void count_loop(std::span<const std::uint64_t> samples, Counts& counts) {
+  for (std::size_t i = 0; i < samples.size(); i += 64) {
+    Words words{};
+    std::copy_n(samples.begin() + static_cast<std::ptrdiff_t>(i),
+                std::min<std::size_t>(64, samples.size() - i), words.begin());
+    swap_blocks<32>(words);  // [Warren, Hacker's Delight, 7-3]
+    swap_blocks<16>(words);
+    swap_blocks<8>(words);
+    swap_blocks<4>(words);
+    swap_blocks<2>(words);
+    swap_blocks<1>(words);
+    for (unsigned q = 0; q < 64; ++q) {
+      counts.answers[q] += static_cast<std::uint64_t>(std::popcount(words[q]));
+      counts.both[q] += static_cast<std::uint64_t>(std::popcount(words[q] & words[63]));
+    }
+  }
+}
+void count_plain(std::span<const std::uint64_t> samples, Counts& counts) {
+  count_loop(samples, counts);
+}
+#if defined(__x86_64__)
+[[gnu::target("avx2,popcnt")]] void count_avx2(std::span<const std::uint64_t> samples, Counts& counts) {
+  count_loop(samples, counts);
+}
+#endif
+
+const auto count_answers = [] {
+#if defined(__x86_64__)
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt")) return &count_avx2;
+#endif
+  return &count_plain;
+}();
 
 }  // namespace
 
@@ -85,17 +127,9 @@ struct ContextTree::Grower {
 
   // What the subtree takes that is best for these samples, as `at`, its own description included.
   double grow(std::span<std::uint64_t> samples, std::uint32_t at) {
-    std::array<std::uint64_t, 64> answers{}, both{};  // 1 as answer; 1 as answer and as outcome
-    for (std::size_t i = 0; i < samples.size(); i += 64) {
-      std::array<std::uint64_t, 64> words{};
-      std::copy_n(samples.begin() + static_cast<std::ptrdiff_t>(i),
-                  std::min<std::size_t>(64, samples.size() - i), words.begin());
-      transpose_words(words);
-      for (unsigned q = 0; q < 64; ++q) {
-        answers[q] += static_cast<std::uint64_t>(std::popcount(words[q]));
-        both[q] += static_cast<std::uint64_t>(std::popcount(words[q] & words[63]));
-      }
-    }
+    Counts counts;
+    count_answers(samples, counts);
+    const auto& [answers, both] = counts;
     const std::uint64_t count = samples.size(), ones = answers[63];
     const double alone = entropy(ones, count);
     double most = 0;

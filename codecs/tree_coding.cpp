@@ -113,12 +113,77 @@ void place_in_tree(ChildBits& bits, const ObjectTree& tree, std::span<const std:
   bits.first_child = node > 0 && tree.children(tree.parent_of_node()[node])[0] == node;
 }
 
+// A word is written once for all of its ids: writing it for each would wait each time for the last.
+void set_bits(std::span<const std::uint32_t> ids, std::span<std::uint64_t> words) {
+  std::uint64_t bits = 0;
+  std::size_t at = 0;
+  for (const std::uint32_t id : ids) {
+    if (id / 64 != at) {
+      words[at] |= std::exchange(bits, 0);
+      at = id / 64;
+    }
+    bits |= std::uint64_t{1} << id % 64;
+  }
+  if (bits != 0) words[at] |= bits;
+}
+
+// Each node's set. Of columns: a leaf's is its row, another's the union of its children's, which goes through a bit vector, or
+// where that is mostly empty by merging.
+class SetsOfNodes {
+ public:
+  // Borrows the matrix. Requires that the tree fits.
+  SetsOfNodes(TreeOver side, const VisibilityMatrix& matrix, const ObjectTree& tree)
+      : universe_(side == TreeOver::columns ? matrix.shape().rows : matrix.shape().columns),
+        set_of_node_(tree.size()) {
+    if (side == TreeOver::columns) {
+      columns_ = transpose(matrix);
+      for (std::uint32_t n = 0; n < tree.size(); ++n) set_of_node_[n] = columns_.row(n);
+      return;
+    }
+    unions_.resize(tree.size());
+    std::vector<std::uint64_t> words((std::size_t{universe_} + 63) / 64, 0);
+    std::vector<std::uint32_t> united(universe_);
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+      const auto children = tree.children(n);
+      if (children.empty()) {
+        set_of_node_[n] = matrix.row(tree.object_of_node()[n]);
+        continue;
+      }
+      const auto first = set_of_node_[children[0]], second = set_of_node_[children[1]];
+      auto* end = united.data();
+      if (first.size() + second.size() < words.size() / 2) {
+        end = std::set_union(first.begin(), first.end(), second.begin(), second.end(), end);
+      } else {
+        set_bits(first, words);
+        set_bits(second, words);
+        for (std::size_t w = 0; w < words.size(); ++w) {
+          for (std::uint64_t left = std::exchange(words[w], 0); left != 0; left &= left - 1)
+            *end++ = static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(left));
+        }
+      }
+      unions_[n].assign(united.data(), end);
+      set_of_node_[n] = unions_[n];
+    }
+  }
+  SetsOfNodes(const SetsOfNodes&) = delete;
+  SetsOfNodes& operator=(const SetsOfNodes&) = delete;
+
+  std::uint32_t universe() const { return universe_; }
+  std::span<const std::uint32_t> operator[](std::uint32_t node) const { return set_of_node_[node]; }
+
+ private:
+  std::uint32_t universe_;
+  VisibilityMatrix columns_;
+  std::vector<std::vector<std::uint32_t>> unions_;  // of nodes with children
+  std::vector<std::span<const std::uint32_t>> set_of_node_;
+};
+
 // Calls visit(ChildBits) for the root, where its set is not everything, and then for each node that has
 // children. Throws std::invalid_argument where the sets are not monotone over the tree.
 template <typename Visit>
-void for_each_node(const VisibilityMatrix& sets, const ObjectTree& tree, bool history, const Visit& visit) {
+void for_each_node(const SetsOfNodes& sets, const ObjectTree& tree, bool history, const Visit& visit) {
   ChildBits bits;
-  bits.universe = sets.shape().columns;
+  bits.universe = sets.universe();
   Marker marker(bits.universe);
   const auto begin = [&](const NodeSet& set, std::size_t children) {
     bits.set = &set;
@@ -127,11 +192,11 @@ void for_each_node(const VisibilityMatrix& sets, const ObjectTree& tree, bool hi
     bits.bits.resize(checked_size(bits.children, bits.members));
     marker.begin(set.members);
   };
-  if (tree.size() > 0 && sets.row(0).size() < bits.universe) {
+  if (tree.size() > 0 && sets[0].size() < bits.universe) {
     NodeSet all;
     all.members = everything(bits.universe);
     begin(all, 1);
-    marker.mark(sets.row(0), bits.bits.data());
+    marker.mark(sets[0], bits.bits.data());
     bits.of_root = true;
     visit(bits);
     bits.of_root = false;
@@ -140,7 +205,7 @@ void for_each_node(const VisibilityMatrix& sets, const ObjectTree& tree, bool hi
   std::vector<NodeSet> reached(history ? tree.size()
                                        : 0);  // with histories, from its parent's turn to its own
   if (!reached.empty()) {
-    reached[0].members.assign(sets.row(0).begin(), sets.row(0).end());
+    reached[0].members.assign(sets[0].begin(), sets[0].end());
     begin_history(reached[0]);
   }
   NodeSet set;
@@ -149,16 +214,16 @@ void for_each_node(const VisibilityMatrix& sets, const ObjectTree& tree, bool hi
     if (history) set = std::exchange(reached[n], {});
     if (children.empty()) continue;
     set.node = n;
-    set.members.assign(sets.row(n).begin(), sets.row(n).end());
+    set.members.assign(sets[n].begin(), sets[n].end());
     begin(set, children.size());
     for (std::uint32_t i = 0; i < children.size(); ++i)
-      marker.mark(sets.row(children[i]), bits.bits.data() + std::size_t{i} * bits.members);
+      marker.mark(sets[children[i]], bits.bits.data() + std::size_t{i} * bits.members);
     place_in_tree(bits, tree, leafs_of_node, n);
     visit(bits);
     for (std::uint32_t i = 0; history && i < children.size(); ++i) {
       if (tree.children(children[i]).empty()) continue;
       NodeSet& child = reached[children[i]];
-      child.members.resize(sets.row(children[i]).size());
+      child.members.resize(sets[children[i]].size());
       inherit(set, bits.child(i), bits.child(1 - i), child);
     }
   }
@@ -208,52 +273,6 @@ void check_fit(TreeOver side, const VisibilityMatrix& matrix, const ObjectTree* 
     throw std::invalid_argument(wrong);
 }
 
-// Each node's set of columns: a leaf's is its row, another's the union of its children's. A union goes through a bit vector,
-// or where that is mostly empty by merging.
-VisibilityMatrix unions_over_rows(const VisibilityMatrix& matrix, const ObjectTree& tree) {
-  const std::uint32_t columns = matrix.shape().columns;
-  std::vector<std::vector<std::uint32_t>> own(tree.size());  // of nodes with children
-  const auto set_of = [&](std::uint32_t n) -> std::span<const std::uint32_t> {
-    const std::uint32_t row = tree.object_of_node()[n];
-    return row == ObjectTree::none ? std::span<const std::uint32_t>(own[n]) : matrix.row(row);
-  };
-  std::vector<std::uint64_t> words((std::size_t{columns} + 63) / 64, 0),
-      offsets(tree.size() + std::size_t{1}, 0);
-  for (std::uint32_t n = tree.size(); n-- > 0;) {
-    const auto children = tree.children(n);
-    if (!children.empty()) {
-      const auto first = set_of(children[0]), second = set_of(children[1]);
-      auto& united = own[n];
-      united.resize(first.size() + second.size());
-      auto* out = united.data();
-      if (united.size() < words.size() / 2) {
-        out += std::set_union(first.begin(), first.end(), second.begin(), second.end(), united.begin()) -
-               united.begin();
-      } else {
-        for (const std::uint32_t id : first) words[id / 64] |= std::uint64_t{1} << id % 64;
-        for (const std::uint32_t id : second) words[id / 64] |= std::uint64_t{1} << id % 64;
-        for (std::size_t w = 0; w < words.size(); ++w) {
-          for (std::uint64_t left = std::exchange(words[w], 0); left != 0; left &= left - 1)
-            *out++ = static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(left));
-        }
-      }
-      united.resize(static_cast<std::size_t>(out - united.data()));
-    }
-    offsets[n + 1] = set_of(n).size();
-  }
-  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-  std::vector<std::uint32_t> ids(offsets.back());
-  for (std::uint32_t n = 0; n < tree.size(); ++n) {
-    std::ranges::copy(set_of(n), ids.begin() + static_cast<std::ptrdiff_t>(offsets[n]));
-    own[n] = {};
-  }
-  return VisibilityMatrix::from_csr({tree.size(), columns}, std::move(offsets), std::move(ids));
-}
-
-VisibilityMatrix sets_of_nodes(TreeOver side, const VisibilityMatrix& matrix, const ObjectTree& tree) {
-  return side == TreeOver::columns ? transpose(matrix) : unions_over_rows(matrix, tree);
-}
-
 }  // namespace
 
 std::unique_ptr<NodeCoder> make_node_coder(std::string_view codec) {
@@ -263,16 +282,16 @@ std::unique_ptr<NodeCoder> make_node_coder(std::string_view codec) {
 
 Encoded encode_over_tree(NodeCoder& coder, const VisibilityMatrix& matrix, const ObjectTree* tree) {
   check_fit(coder.side(), matrix, tree);
-  const VisibilityMatrix sets = sets_of_nodes(coder.side(), matrix, *tree);
+  const SetsOfNodes sets(coder.side(), matrix, *tree);
   if (coder.learns()) {
     std::uint64_t members = 0;
     for (std::uint32_t n = 0; n < tree->size(); ++n)
-      members += tree->children(n).empty() ? 0 : sets.row(n).size();
+      members += tree->children(n).empty() ? 0 : sets[n].size();
     coder.expect(members);
     for_each_node(sets, *tree, coder.wants_history(), [&](const ChildBits& node) { coder.see(node); });
   }
   Encoded out;
-  const bool root_everything = tree->size() == 0 || sets.row(0).size() == sets.shape().columns;
+  const bool root_everything = tree->size() == 0 || sets[0].size() == sets.universe();
   out.payload.push_back(static_cast<std::byte>(root_everything));
   coder.write_model(out.payload);
   for_each_node(sets, *tree, coder.wants_history(), [&](const ChildBits& node) {
@@ -288,7 +307,7 @@ LengthStatistics length_statistics(const Codec& codec, const VisibilityMatrix& m
   const auto coder = make_node_coder(codec.name);
   if (!coder) return {};
   check_fit(coder->side(), matrix, tree);
-  for_each_node(sets_of_nodes(coder->side(), matrix, *tree), *tree, coder->wants_history(),
+  for_each_node(SetsOfNodes(coder->side(), matrix, *tree), *tree, coder->wants_history(),
                 [&](const ChildBits& node) { coder->see(node); });
   return coder->statistics();
 }
