@@ -48,15 +48,12 @@ class Search {
     end_round();
     const Effort first_effort{2, 6};
     group_equal_columns(matrix, first_effort);
-    for (Effort effort = first_effort;;) {
-      const std::uint64_t before = table_.price();
-      rounds(effort, [this](Known& known) { share_round(known); });
-      rounds(effort, [this](Known& known) { join_round(known); });
-      if (over()) break;
-      if (table_.price() + before / 200 < before) continue;
-      if (options_.seconds == 0 || (effort.tables >= 32 && table_.price() == before)) break;
-      if (effort.tables < 32) effort = {effort.tables * 2, effort.window * 3 / 2};
+    for (std::uint64_t before = 0; !over();) {
+      before = table_.price();
+      all_rounds(first_effort);
+      if (table_.price() + before / 200 >= before) break;
     }
+    while (options_.seconds > 0 && !over() && table_.clusters() > 0) try_otherwise();
     if (options_.progress) options_.progress(1, 1);
     return std::move(table_);
   }
@@ -69,7 +66,7 @@ class Search {
     return options_.seconds > 0 && static_cast<double>(elapsed()) >= options_.seconds * 1000;
   }
   void stepped() {
-    if (options_.after_step) options_.after_step(table_);
+    if (options_.after_step && !quiet_) options_.after_step(table_);
   }
   void end_round() {
     if (table_.dissolve() > 0) stepped();
@@ -83,21 +80,47 @@ class Search {
         options_.progress(done_, std::max<std::uint64_t>(done_ + 1, 60));
       }
     }
-    if (options_.after_round) {
+    if (options_.after_round && !quiet_) {
       const auto paused = Clock::now();
       options_.after_round(table_);
       start_ += Clock::now() - paused;
     }
+  }
+  void all_rounds(Effort effort) {
+    rounds(effort, [this](Known& known) { share_round(known); });
+    rounds(effort, [this](Known& known) { join_round(known); });
+  }
+  // Stuck: some clusters are taken apart, and what they held finds other partners. One step to the caller, if it saves.
+  void try_otherwise() {
+    const PanneTable before = table_;
+    std::vector<bool> chosen(table_.clusters());
+    for (std::size_t v = 0; v < chosen.size(); ++v) chosen[v] = random_.below(3) == 0;
+    quiet_ = true;
+    table_.loosen(chosen);
+    end_round();
+    all_rounds({4, 6});
+    quiet_ = false;
+    if (table_.price() >= before.price()) {
+      table_ = before;
+      return;
+    }
+    stepped();
+    end_round();
   }
   // Groups of equal columns make later rounds faster, and often better even where they cost something at first: so that is tried
   // for a few rounds with and without them. To the caller it is one step, and only if it saves.
   void group_equal_columns(const VisibilityMatrix& matrix, Effort effort) {
     PanneTable grouped = table_;
     if (!grouped.group_equal_columns(matrix)) return;
+    std::uint64_t symbols = 0;
+    for (const auto& list : grouped.lists()) symbols += list.size();
+    if (symbols + matrix.ones() / 16 > matrix.ones()) return;
     if (grouped.price() < table_.price() + table_.price() / 4) {
       const auto few_rounds = [&](PanneTable table) {
         PanneSearch quiet;
         quiet.threads = options_.threads;
+        if (options_.seconds > 0)
+          quiet.seconds = std::max(1e-9, options_.seconds - static_cast<double>(elapsed()) / 1000);
         Search trial(std::move(table), quiet);
         Known known = trial.begin(effort);
         for (int round = 0; round < 4 && !over(); ++round) {
@@ -263,6 +286,7 @@ class Search {
     std::sort(pairs.begin(), pairs.end(), saves_more);
     std::fill(known.changed.begin(), known.changed.end(), 0);
     for (const Pair& pair : pairs) {
+      if (over()) break;
       if (known.changed[pair.a] || known.changed[pair.b]) continue;
       if (pair.saved < std::max(most[pair.a], most[pair.b]) / 16 * 15) continue;
       if (take(pair.a, pair.b)) {
@@ -360,6 +384,7 @@ class Search {
   Random random_;
   Clock::time_point start_;
   std::uint64_t done_ = 0;
+  bool quiet_ = false;  // while what is tried may still be undone
 };
 
 }  // namespace

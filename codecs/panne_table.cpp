@@ -466,6 +466,32 @@ std::uint32_t PanneTable::dissolve() {
   return gone;
 }
 
+void PanneTable::loosen(const std::vector<bool>& chosen) {
+  const auto goes = [&](std::uint32_t symbol) {
+    return !is_object(symbol) && chosen[symbol - shape_.columns];
+  };
+  List loose, open;
+  for (std::uint32_t l = 0; l < lists_.size(); ++l) {
+    if (std::none_of(lists_[l].begin(), lists_[l].end(), goes)) continue;
+    loose.clear();
+    open = lists_[l];
+    while (!open.empty()) {
+      const std::uint32_t symbol = open.back();
+      open.pop_back();
+      if (!goes(symbol)) {
+        loose.push_back(symbol);
+        continue;
+      }
+      const List& content = lists_[list_of_symbol(symbol)];
+      open.insert(open.end(), content.begin(), content.end());
+    }
+    std::sort(loose.begin(), loose.end(),
+              [this](std::uint32_t a, std::uint32_t b) { return first(a) < first(b); });
+    if (is_row(l) || reach_of(loose) == reach(symbol_of_list(l))) lists_[l] = loose;
+  }
+  price_ = price_of_all();
+}
+
 bool PanneTable::settle() {
   std::vector<std::uint32_t> uses(clusters_.size(), 0), by_uses(clusters_.size());
   for (const List& list : lists_) {

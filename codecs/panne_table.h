@@ -108,6 +108,10 @@ class PanneTable {
   /// Clusters that stand in a single list go back into it where this saves, and those in none vanish. How many went.
   std::uint32_t dissolve();
 
+  /// Clusters of symbols for which chosen[symbol - columns] is set go back into the lists that hold them, where lists behind would
+  /// not notice. For a search that is stuck: it costs something.
+  void loosen(const std::vector<bool>& chosen);
+
   /// Ranks by how often clusters stand in lists, prices by what numbers there are.
   bool settle();
 
