@@ -9,9 +9,10 @@ namespace vismat {
 /// A binary tree whose leafs are the rows (as its objects), similar ones near each other. Nodes are numbered depth first, so that what lies
 /// together in the tree lies together in a file. The rows are
 /// put in order as best_order does with columns; then two neighbours become one, again and again, those whose sets (a
-/// row, or the union of what was joined) differ in the fewest columns. Depth is not bounded but by the rows: 1.2 times the
-/// least on the mean over six levels and a city, the deepest leaf at twice that. Deterministic. Takes an order of the rows and
-/// O(rows log rows * columns / 64); memory rows * columns / 4 bytes. Of no rows: an empty tree.
+/// row, or the union of what was joined) differ in the fewest columns. Depth is not bounded but by the rows:
+/// on two levels and an artificial city the mean is 1.2 times the least and the deepest leaf at twice the least. Deterministic.
+/// Takes best_order's time, and O(rows (log rows + columns / 64)); memory rows * columns / 8 bytes beside what the order takes.
+/// Of no rows: an empty tree.
 ObjectTree tree_by_sets(const VisibilityMatrix& matrix, const Stages& stages = {});
 
 }  // namespace vismat
