@@ -25,7 +25,7 @@ struct Options {
   std::vector<double> lost = {0, .005, .01, .02, .05, .1, .2};
   std::vector<std::string> methods = {"pairs"}, sides = {"cells", "objects", "both"};
   std::vector<std::string> node_codecs = {"zach3-huffman", "zach3-range", "zach4-huffman", "zach4-range"};
-  std::vector<std::string> codecs = {"pair-ans", "delimiter", "panne", "xz", "jbig1"};
+  std::vector<std::string> codecs = {"pair-ans", "delimiter", "xz", "jbig1"};
   double max_per_cell = 1;
   bool append = false, no_lossless = false;
 };
