@@ -64,8 +64,8 @@ void add_tree(CLI::App& app) {
       "The tree replaces what the file had on that side. Trees over columns are for the codecs zach..., "
       "binary ones over "
       "rows for gotsman...\n"
-      "Examples: vismat tree koth1.bsp.h5 -o koth1.nodes.bsp.h5 --nodes\n"
-      "          vismat tree koth1.bsp.h5 -o koth1.rows.bsp.h5 --side rows --by sets");
+      "Example: vismat tree koth1.bsp.h5 -o koth1.nodes.bsp.h5 --nodes\n"
+      "Example: vismat tree koth1.bsp.h5 -o koth1.rows.bsp.h5 --side rows --by sets");
   verb->add_option("IN", arguments->input, "A matrix file")->required();
   verb->add_option("-o,--output", arguments->output, "The matrix file to write (.bsp.h5)")->required();
   verb->add_option("--side", arguments->side, "What the tree stands over: columns or rows")

@@ -1,8 +1,9 @@
 // ALGORITHM. Agglomeration, held to the neighbours of an order: each join looks at two distances instead of all, so that
 // what takes n^2 distances else takes 3 n. Coded over the tree (gotsman3-context), two levels' matrices are within
 // 2 % either way of the tree that may join any two sets; halving the order again and again instead makes 6 % to 16 % more bytes,
-// and k-d trees over the cells' boxes 24 % to 60 %, on artificial 1 7 % to 9 %. Keys that favour small unions or even trees gave
-// up to 2 % on one level and took up to 2 % on the other. bench/gotsman_tables compares it with the k-d tree.
+// and k-d trees over the cells' boxes 24 % to 60 %. On artificial 1 these make 6 % to 9 % more too, on artificial 2 2 % to 6 %
+// fewer: there boxes say all. Keys that favour small unions or even trees gave up to 2 % on one level and took up to 2 % on the
+// other. bench/gotsman_tables compares it with the k-d tree.
 #include "layout/set_tree.h"
 
 #include <algorithm>

@@ -157,6 +157,36 @@ TEST(Program, CompressesReadsANodeAndRestores) {
   }
 }
 
+TEST(Program, ReadsRowsAndNodesOverATreeOfRows) {
+  const TemporaryFolder folder;
+  const Dataset before = ring_of_clusters(60);
+  write_dataset(folder / "in.bsp.h5", before);
+  ASSERT_EQ(vismat_program({"order", folder / "in.bsp.h5", "--columns", "best", "--rows", "greedy", "-o",
+                            folder / "ordered.bsp.h5"}).code(), 0);
+  ASSERT_EQ(vismat_program({"tree", folder / "ordered.bsp.h5", "--side", "rows", "--by", "sets", "-o",
+                            folder / "sets.bsp.h5"}).code(), 0);
+  for (const std::string name : {"ordered.bsp.h5", "sets.bsp.h5"}) {  // the first gets a tree by its boxes
+    for (const std::string codec : {"gotsman1", "gotsman3", "gotsman3-context"}) {
+      const Finished encoded = vismat_program({"encode", folder / name, "--codec", codec, "-o", folder / "x.vmat"});
+      ASSERT_EQ(encoded.code(), 0) << encoded.error;
+      ASSERT_EQ(vismat_program({"decode", folder / "x.vmat", "-o", folder / "back.bsp.h5"}).code(), 0);
+      EXPECT_EQ(read_dataset(folder / "back.bsp.h5").matrix, before.matrix) << codec;
+      const Finished row = vismat_program({"row", folder / "x.vmat", "17"});
+      std::string ids;
+      for (const std::uint32_t id : before.matrix.row(17)) ids += std::to_string(id) + "\n";
+      EXPECT_EQ(row.out, ids) << codec << row.error;
+      const Finished node = vismat_program({"node", folder / "x.vmat", "0", "--ids"});
+      EXPECT_EQ(node.out.rfind("node 0: sees 60 of 60 objects; 2 children", 0), 0u) << node.out << node.error;
+    }
+  }
+  Dataset bare = before;
+  bare.row_bounds.clear();
+  write_dataset(folder / "bare.bsp.h5", bare);
+  const Finished refused = vismat_program({"encode", folder / "bare.bsp.h5", "--codec", "gotsman3", "-o", folder / "y.vmat"});
+  EXPECT_EQ(refused.code(), 1);
+  EXPECT_NE(refused.error.find("vismat tree --side rows --by sets"), std::string::npos) << refused.error;
+}
+
 TEST(Program, OrdersAndTellsHowFarFromTheBound) {
   const TemporaryFolder folder;
   const Dataset before = ring_of_clusters(60);
