@@ -28,8 +28,6 @@
 // artificial 2.
 #include "codecs/panne.h"
 
-#include <numeric>
-#include <optional>
 #include <string>
 #include <utility>
 

@@ -7,7 +7,6 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 namespace vismat {
