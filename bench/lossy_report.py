@@ -107,8 +107,8 @@ def table_3(results):
                 share = table / by.bytes["zach3-huffman"] / published.ratio[matrix, "zach3"]
                 row["within\na third"] = "yes" if 1 / FAR <= share <= FAR else "no"
             rows.append(row)
-    columns = ["scene", "", "cells\nleft", "of", "lossy table\nbytes", "method 3\nHuffman", "method 3\nrange coder", "average run\nmethod 3", "of published\nmethod 3",
-               "method 4\nHuffman", "method 4\nrange coder", "average run\nmethod 4", "of published\nmethod 4", "within\na third"]
+    columns = ["scene", "", "cells\nleft", "of", "lossy table\nbytes", "method 3\nHuffman", "of published\nmethod 3", "within\na third", "method 3\nrange coder",
+               "method 4\nHuffman", "of published\nmethod 4", "method 4\nrange coder", "average run\nmethod 3", "average run\nmethod 4"]
     return pd.DataFrame(rows).reindex(columns=columns).fillna("")
 
 
@@ -129,6 +129,20 @@ def table_of_halves(results):
                 row[f"of lossless\n{side}"] = "-" if pd.isna(value) else f"{value / whole:.0%}"
             row["half or\nless"] = "yes" if sides.min() <= whole / 2 else "no"
             rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def table_at_extra(results, shares=(.01, .02, .05, .1, .2)):
+    """For so many extra visible entries, the smallest codec's bytes with names as a share of the smallest lossless ones. Between the
+    points of a curve its bytes are taken to fall evenly on the chart's logarithmic axis."""
+    rows = []
+    curves = results.curves[(results.curves.method == "pairs") & (results.curves.max_per_cell == 1)]
+    for (matrix, side), group in curves.groupby(["matrix", "side"], sort=False):
+        base = lossless(results, matrix).total.min()
+        points = group[group.lost > 0].groupby("lost").agg(total=("total", "min"), added=("added_share", "first"))
+        x, y = [0, *points.added], numpy.log([base, *points.total])
+        rows.append({"matrix": SCENES.get(matrix, matrix), "merged": side} | {f"{share:.0%} extra\nvisible": f"{numpy.exp(numpy.interp(share, x, y)) / base:.0%}" if share <= x[-1] else "-"
+                                                                              for share in shares})
     return pd.DataFrame(rows)
 
 
@@ -224,8 +238,8 @@ def table_of_search(results):
 
 # ---- charts ----------------------------------------------------------------------------------------------------------------
 
-LOOKS = {"pair-ans": ("-", "o"), "zach3-huffman": ("-", "o"), "zach4-huffman": (":", "s"), "xz": (":", "s"), "jbig1": ("--", "^"), "panne": ("-.", "D")}
-NOT_DRAWN = {"delimiter", "zach3-range", "zach4-range"}  # beside another line
+LOOKS = {"pair-ans": ("-", "o"), "zach3-huffman": ("-", "o"), "zach4-huffman": (":", "s"), "jbig1": ("--", "^"), "panne": ("-.", "D")}
+NOT_DRAWN = {"delimiter", "xz", "zach3-range", "zach4-range"}  # beside another line
 
 
 def draw_curves(results, columns=3, matrices=None):
@@ -452,7 +466,7 @@ def sections(results):
     yield ("Table 3: paper 002's methods at 5 % lost occlusions", "In brackets: times smaller than the lossless table. 'Of published' is our ratio over theirs, "
            "Huffman codes both.", [("", table_3(results))])
     yield ("Bytes against extra visible entries", "", ["lossy_curves", ("At 5 % lost occlusions: bytes with names, and their share of what the same codec takes without loss", table_of_halves(results)),
-                                                       ("Every merge", table_of_loss(results))])
+                                                       ("At so many extra visible entries: bytes with names, of the smallest lossless ones", table_at_extra(results))])
     both = seeds_against_pairs(results)
     if len(both):
         yield "The paper's seeds against all pairs", "Both at the same loss; seconds of one run.", [("", both)]
@@ -470,6 +484,7 @@ def sections(results):
                "method's trits under contexts.", ["gotsman", ("", table_of_subsets(results))])
     if "panne_search" in shown:
         yield ("Clusters: van de Panne and Stewart 1999", "The search is ours and can be stopped at any time; the lossy form is merging first, then clusters.", ["panne_search", ("", table_of_search(results))])
+    yield "Every merge", "Bytes are the smallest codec's; the last column counts names.", [("", table_of_loss(results))]
 
 
 def main(out="out", records=None):
