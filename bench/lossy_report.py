@@ -404,7 +404,8 @@ def draw_subsets(results):
                     axes.text(value / 1e3, place, f" {value / values['gotsman3'] - 1:+.0%}", va="center", fontsize=7)
         third = group[group.codec == "gotsman3"].payload_bytes.min() / 1e3
         axes.axvline(.65 * third, color=RED, linewidth=1, linestyle=":")
-        axes.set(yticks=range(len(names)), xlabel="kB")
+        axes.set(yticks=range(len(names)), xlabel="kB", xscale="log", xlim=(group.payload_bytes.min() / 2000, group.payload_bytes.max() / 800))
+        plain_ticks(axes.xaxis, "", (1, 2, 5))
         axes.set_yticklabels(names, fontsize=8)
         axes.set_title(matrix, fontsize=10, loc="left")
         bare(axes)
