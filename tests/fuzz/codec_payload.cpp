@@ -37,6 +37,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto ours = own_codecs();
     if (std::none_of(ours.begin(), ours.end(), [&](const Codec& c) { return c.name == codec.name; }))
       return 0;
+    const bool searches = codec.name == "panne" || codec.name == "gotsman3-context";
+    if (searches && size % 16 != 0) return 0;  // milliseconds each
     const Encoded again = codec.encode(matrix, &tree);
     if (codec.decode(again.payload, again.index, shape, &tree) != matrix) std::abort();
   } catch (const FormatError&) {
