@@ -58,7 +58,11 @@ void merge(const Options& options) {
   const bool nodes = data.columns_are_nodes;
   data = merged(std::move(data), groups.rows, groups.columns);
   if (!data.provenance.empty()) data.provenance += "; ";
-  data.provenance += options.side + " merged";
+  data.provenance += options.side + " merged by " + options.method +
+                     formatted(options.added ? ", %g added at most" : ", %g lost at most",
+                               options.added ? *options.added : options.lost);
+  if (options.max_per_cell < 1) data.provenance += formatted(", %g of any cell", options.max_per_cell);
+  if (options.method == "seeds") data.provenance += ", seed " + std::to_string(options.seed);
   write_dataset(options.out, data);
 
   if (groups.rows) line("view cells", grouped(groups.rows->groups()) + " of " + grouped(rows) + " are left");
