@@ -53,8 +53,8 @@ int main(int argc, char** argv) {
     if (data.tree && !data.columns_are_nodes) data = over_nodes(data);
     const std::vector<Codec> codecs = all_codecs();
     for (const Codec& codec : codecs) {
-      const auto& tree = codec.over_tree == TreeOver::rows ? data.row_tree : data.tree;
-      if (codec.over_tree == TreeOver::nothing || tree) register_codec(codec, data.matrix, tree ? &*tree : nullptr);
+      const ObjectTree* const tree = tree_for(codec, data);
+      if (codec.over_tree == TreeOver::nothing || tree != nullptr) register_codec(codec, data.matrix, tree);
     }
     benchmark::RegisterBenchmark("order/greedy", [&data](benchmark::State& state) {
       for (auto _ : state) benchmark::DoNotOptimize(order_rows_greedily(data.matrix).size());

@@ -36,20 +36,9 @@ std::string codec_names() {
 }
 
 NodeReader open_nodes(const Container& container) {
-  const auto& tree = find_codec(container.codec).over_tree == TreeOver::rows ? container.row_tree : container.tree;
-  if (!tree) throw FormatError("no tree; the codec '" + container.codec + "' needs one");
+  const ObjectTree* const tree = tree_for(find_codec(container.codec), container);
+  if (tree == nullptr) throw FormatError("no tree; the codec '" + container.codec + "' needs one");
   return {container.codec, container.encoded.payload, container.encoded.index, container.shape, *tree};
-}
-
-// As compress() does, with options of the search.
-Container compress_panne(const Dataset& data, double seconds) {
-  Container container;
-  container.shape = data.matrix.shape();
-  container.ones = data.matrix.ones();
-  container.codec = "panne";
-  container.tree = data.tree;
-  container.encoded = encode_panne(data.matrix, {.seconds = seconds, .progress = show_progress("searching for clusters")});
-  return container;
 }
 
 }  // namespace
@@ -94,9 +83,11 @@ void add_encode(CLI::App& app) {
       const Permutation order = order_rows_greedily(data.matrix, show_progress("ordering rows"));
       data = reordered(std::move(data), order, Permutation::identity(data.matrix.shape().columns));
     }
-    const auto& tree = codec.over_tree == TreeOver::rows ? data.row_tree : data.tree;
-    Container container = panne ? compress_panne(data, options->seconds)
-                                : compress(data.matrix, codec, tree ? &*tree : nullptr);
+    Container container =
+        panne ? container_of(data.matrix, codec,
+                             encode_panne(data.matrix, {.seconds = options->seconds,
+                                                        .progress = show_progress("searching for clusters")}))
+              : compress(data.matrix, codec, tree_for(codec, data));
     container.tree = data.tree;
     container.row_tree = data.row_tree;
     container.row_order = data.row_order;
@@ -252,9 +243,10 @@ void add_node(CLI::App& app) {
       "Example: vismat node city32.vmat 0");
   verb->callback([options] {
     with_container(options->in, [&](const Container& container) {
-      const bool over_rows = find_codec(container.codec).over_tree == TreeOver::rows;
-      const auto& tree = over_rows ? container.row_tree : container.tree;
-      if (!tree || options->node >= tree->size()) {
+      const Codec& codec = find_codec(container.codec);
+      const bool over_rows = codec.over_tree == TreeOver::rows;
+      const ObjectTree* const tree = tree_for(codec, container);
+      if (tree == nullptr || options->node >= tree->size()) {
         throw std::invalid_argument(options->in.string() + ": no node " + std::to_string(options->node) +
                                     "; it has " + std::to_string(tree ? tree->size() : 0));
       }

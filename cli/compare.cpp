@@ -100,9 +100,7 @@ void measure_rows(const RowReader& reader, const VisibilityMatrix& matrix, doubl
 }
 
 Figures measure(const Codec& codec, const Dataset& data, double seconds) {
-  const ObjectTree* tree = codec.over_tree == TreeOver::nothing ? nullptr
-                           : codec.over_tree == TreeOver::rows  ? &*data.row_tree
-                                                                : &*data.tree;
+  const ObjectTree* tree = codec.over_tree == TreeOver::nothing ? nullptr : tree_for(codec, data);
   const VisibilityMatrix& matrix = data.matrix;
   Figures figures;
   Container container = compress(matrix, codec, tree);

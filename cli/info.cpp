@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -17,34 +16,12 @@
 #include "matrix/byte_reader.h"
 #include "matrix/dataset.h"
 #include "matrix/hdf5_file.h"
-#include "matrix/random.h"
+#include "matrix/partition.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/scene.h"
 
 namespace vismat::cli {
 namespace {
-
-std::uint32_t distinct_rows(const VisibilityMatrix& matrix) {
-  struct Row {
-    std::uint64_t hash;
-    std::span<const std::uint32_t> ids;
-  };
-  std::vector<Row> rows;
-  rows.reserve(matrix.shape().rows);
-  for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
-    std::uint64_t hash = 0;
-    for (const std::uint32_t id : matrix.row(r)) hash = Random(hash ^ id).next();
-    rows.push_back({hash, matrix.row(r)});
-  }
-  std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-    if (a.hash != b.hash) return a.hash < b.hash;
-    return std::lexicographical_compare(a.ids.begin(), a.ids.end(), b.ids.begin(), b.ids.end());
-  });
-  const auto same = [](const Row& a, const Row& b) {
-    return a.hash == b.hash && std::equal(a.ids.begin(), a.ids.end(), b.ids.begin(), b.ids.end());
-  };
-  return static_cast<std::uint32_t>(std::unique(rows.begin(), rows.end(), same) - rows.begin());
-}
 
 void print_tree(const char* what, const ObjectTree& tree) {
   std::uint32_t leafs = 0, depth = 0, widest = 0;
@@ -78,7 +55,7 @@ void print_dataset(const Dataset& dataset) {
   const VisibilityMatrix& matrix = dataset.matrix;
   print_size(matrix.shape(), matrix.ones());
   line("distinct",
-       grouped(distinct_rows(matrix)) + " rows, " + grouped(distinct_rows(transpose(matrix))) + " columns");
+       grouped(equal_rows(matrix).groups()) + " rows, " + grouped(equal_rows(transpose(matrix)).groups()) + " columns");
   line("a row is a", dataset.rows_are);
   line("a column is a", dataset.columns_are);
   line("guarantee", std::string(to_string(dataset.guarantee)));

@@ -47,6 +47,13 @@ struct Codec {
   std::uint32_t rows_per_part = 1;  // rows that share their bytes
 };
 
+/// Of a dataset's or a file's two trees the one for this codec; null if there is none.
+template <typename TwoTrees>
+const ObjectTree* tree_for(const Codec& codec, const TwoTrees& of) {
+  const auto& tree = codec.over_tree == TreeOver::rows ? of.row_tree : of.tree;
+  return tree ? &*tree : nullptr;
+}
+
 constexpr Codec whole_file_codec(std::string_view name, std::string_view contents,
                                  decltype(Codec::encode) encode, decltype(Codec::decode) decode) {
   Codec codec{};

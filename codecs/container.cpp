@@ -178,13 +178,18 @@ Container read_container(std::span<const std::byte> bytes) {
   return container;
 }
 
-Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree) {
+Container container_of(const VisibilityMatrix& matrix, const Codec& codec, Encoded encoded) {
   Container container;
   container.shape = matrix.shape();
   container.ones = matrix.ones();
   container.codec = codec.name;
+  container.encoded = std::move(encoded);
+  return container;
+}
+
+Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree) {
+  Container container = container_of(matrix, codec, codec.encode(matrix, tree));
   if (tree != nullptr) (codec.over_tree == TreeOver::rows ? container.row_tree : container.tree) = *tree;
-  container.encoded = codec.encode(matrix, tree);
   return container;
 }
 
@@ -192,11 +197,10 @@ VisibilityMatrix decompress(const Container& container, const Codec& codec) {
   assert(container.codec == codec.name);
   const auto& [payload, index] = container.encoded;
   const Shape shape = claimed_shape(container.shape.rows, container.shape.columns, container.ones);
-  const auto& tree = codec.over_tree == TreeOver::rows ? container.row_tree : container.tree;
   VisibilityMatrix matrix =
       codec.open_rows != nullptr
           ? decode_rows(codec.open_rows, codec.rows_per_part, payload, index, shape, container.ones)
-          : codec.decode(payload, index, shape, tree ? &*tree : nullptr);
+          : codec.decode(payload, index, shape, tree_for(codec, container));
   if (matrix.ones() != container.ones) {
     throw FormatError("the payload holds " + std::to_string(matrix.ones()) + " ones; the file states " +
                       std::to_string(container.ones));

@@ -40,6 +40,8 @@ std::vector<std::byte> write_container(const Container& container);
 /// file's size.
 Container read_container(std::span<const std::byte> bytes);
 
+/// Around what the codec has made of the matrix.
+Container container_of(const VisibilityMatrix& matrix, const Codec& codec, Encoded encoded);
 /// Encodes the matrix as it stands; the container keeps the tree, on the codec's side. Throws what the codec throws.
 Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree = nullptr);
 /// The matrix as it stands in the file. `codec` must be the one that the container names. FormatError where the payload

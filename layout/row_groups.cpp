@@ -5,32 +5,12 @@
 #include <cstdlib>
 #include <numeric>
 #include <optional>
-#include <unordered_map>
 #include <utility>
-
-#include "matrix/random.h"
 
 namespace vismat {
 namespace {
 
 constexpr std::uint32_t folded_bits = 512;
-
-Partition equal_rows(const VisibilityMatrix& matrix) {
-  std::unordered_multimap<std::uint64_t, std::uint32_t> met;  // rows by hash
-  std::vector<std::uint32_t> kind(matrix.shape().rows);
-  std::uint32_t kinds = 0;
-  for (std::uint32_t r = 0; r < kind.size(); ++r) {
-    const auto ids = matrix.row(r);
-    std::uint64_t hash = ids.size();
-    for (const std::uint32_t id : ids) hash = Random(hash ^ id).next();
-    const auto [begin, end] = met.equal_range(hash);
-    const auto same =
-        std::find_if(begin, end, [&](const auto& entry) { return std::ranges::equal(matrix.row(entry.second), ids); });
-    kind[r] = same == end ? kinds++ : kind[same->second];
-    if (same == end) met.emplace(hash, r);
-  }
-  return Partition::from_group_of_member(std::move(kind));
-}
 
 void take_out(std::vector<std::uint32_t>& list, std::vector<std::uint32_t>& places, std::uint32_t place) {
   list[place] = list.back();

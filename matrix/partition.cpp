@@ -5,7 +5,10 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <unordered_map>
 #include <utility>
+
+#include "matrix/random.h"
 
 namespace vismat {
 
@@ -53,6 +56,23 @@ Partition renumbered(const Partition& groups, const Permutation& order) {
   std::vector<std::uint32_t> map(groups.group_of_member().begin(), groups.group_of_member().end());
   for (std::uint32_t& group : map) group = order.new_of_old()[group];
   return Partition::from_group_of_member(std::move(map));
+}
+
+Partition equal_rows(const VisibilityMatrix& matrix) {
+  std::unordered_multimap<std::uint64_t, std::uint32_t> met;  // rows by hash
+  std::vector<std::uint32_t> kind(matrix.shape().rows);
+  std::uint32_t kinds = 0;
+  for (std::uint32_t r = 0; r < kind.size(); ++r) {
+    const auto ids = matrix.row(r);
+    std::uint64_t hash = ids.size();
+    for (const std::uint32_t id : ids) hash = Random(hash ^ id).next();
+    const auto [begin, end] = met.equal_range(hash);
+    const auto same =
+        std::find_if(begin, end, [&](const auto& entry) { return std::ranges::equal(matrix.row(entry.second), ids); });
+    kind[r] = same == end ? kinds++ : kind[same->second];
+    if (same == end) met.emplace(hash, r);
+  }
+  return Partition::from_group_of_member(std::move(kind));
 }
 
 VisibilityMatrix merge_rows(const VisibilityMatrix& matrix, const Partition& rows) {

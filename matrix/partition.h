@@ -36,6 +36,9 @@ Partition followed_by(const Partition& first, const Partition& then);
 /// Group g becomes group order.new_of_old()[g]. Sizes must match.
 Partition renumbered(const Partition& groups, const Permutation& order);
 
+/// Equal rows in one group, numbered in the order of their first ones. O(ones).
+Partition equal_rows(const VisibilityMatrix& matrix);
+
 /// A row a group, the union of its members' rows: what none of them sees stays hidden [Zach & Karner 2003, 4.1; van de Panne &
 /// Stewart 1999]. rows.size() == matrix.shape().rows. O(ones).
 VisibilityMatrix merge_rows(const VisibilityMatrix& matrix, const Partition& rows);

@@ -61,6 +61,15 @@ Finished vismat_program(std::vector<std::string> words, std::chrono::microsecond
   return run;
 }
 
+// Exit 1 and one line that says why.
+void expect_refusal(const std::vector<std::string>& words, const std::string& why) {
+  const Finished run = vismat_program(words);
+  EXPECT_EQ(run.code(), 1) << why;
+  EXPECT_EQ(run.out, "");
+  EXPECT_NE(run.error.find(why), std::string::npos) << run.error;
+  EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+}
+
 std::vector<std::string> verbs() {
   std::istringstream help(vismat_program({"--help"}).out);
   std::vector<std::string> names;
@@ -240,11 +249,7 @@ TEST(Program, RefusesDifferencesThatCannotBe) {
       std::vector<std::vector<std::uint32_t>>(wrong.matrix.shape().rows, {7}), wrong.matrix.shape().columns);
   write_dataset(damaged, wrong);
   const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
-    const Finished run = vismat_program(words);
-    EXPECT_EQ(run.code(), 1) << why;
-    EXPECT_EQ(run.out, "");
-    EXPECT_NE(run.error.find(why), std::string::npos) << run.error;
-    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+    expect_refusal(words, why);
     EXPECT_EQ(folder.entries(), 4u);
   };
   refused({"deltas", in, "-o", out, "--neighbours", "given"}, "in.bsp.h5: does not say which rows touch");
@@ -302,11 +307,7 @@ TEST(Program, VerifyFindsWhatIsHidden) {
   write_dataset(folder / "hides.bsp.h5", hides);
   write_dataset(folder / "small.bsp.h5", ring_of_clusters(50));
   const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
-    const Finished run = vismat_program(words);
-    EXPECT_EQ(run.code(), 1) << why;
-    EXPECT_EQ(run.out, "");
-    EXPECT_NE(run.error.find(why), std::string::npos) << run.error;
-    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+    expect_refusal(words, why);
     EXPECT_EQ(folder.entries(), 3u);
   };
   refused({"verify", folder / "hides.bsp.h5", folder / "in.bsp.h5"},
