@@ -7,6 +7,7 @@
 #include "cli/verbs.h"
 #include "visibility/bounding_volume_tree.h"
 #include "visibility/levels/level_file.h"
+#include "visibility/scene_file.h"
 
 namespace vismat::cli {
 namespace {

@@ -18,7 +18,7 @@
 #include "matrix/hdf5_file.h"
 #include "matrix/partition.h"
 #include "visibility/levels/level_file.h"
-#include "visibility/scene.h"
+#include "visibility/scene_file.h"
 
 namespace vismat::cli {
 namespace {

@@ -8,6 +8,7 @@
 #include "cli/progress.h"
 #include "cli/verbs.h"
 #include "visibility/ray_sampling.h"
+#include "visibility/scene_file.h"
 
 namespace vismat::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "visibility/scene.h"
+#include "visibility/scene_file.h"
 
 namespace vismat {
 

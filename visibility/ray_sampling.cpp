@@ -11,8 +11,6 @@
 // threads cannot change the result.
 #include "visibility/ray_sampling.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -21,88 +19,20 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <memory>
-#include <new>
 #include <numbers>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include <glm/vec2.hpp>
 
 #include "matrix/random.h"
+#include "visibility/ray_caster.h"
 
 namespace vismat {
 namespace {
 
 using Objects = std::vector<std::uint32_t>;  // ascending
-
-/// The scene in Embree's hands.
-class Tracer {
- public:
-  static constexpr unsigned width = 16;
-
-  explicit Tracer(const Scene& scene)
-      : device_(rtcNewDevice(nullptr)), scene_(device_ ? rtcNewScene(device_.get()) : nullptr) {
-    if (!device_) throw std::runtime_error("Embree does not start on this machine");
-    rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_HIGH);
-    rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);  // no leaks where two triangles meet
-    RTCGeometry mesh = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    const auto fill = [&](RTCBufferType type, RTCFormat format, std::size_t stride, const void* from,
-                          std::size_t count) {
-      void* to = rtcSetNewGeometryBuffer(mesh, type, 0, format, stride, count);
-      if (to == nullptr) throw std::bad_alloc();
-      std::copy_n(static_cast<const std::byte*>(from), stride * count, static_cast<std::byte*>(to));
-    };
-    if (!scene.indices.empty()) {
-      fill(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 12, scene.vertices.data(), scene.vertices.size());
-      fill(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 12, scene.indices.data(), scene.indices.size() / 3);
-    }
-    rtcCommitGeometry(mesh);
-    rtcAttachGeometry(scene_.get(), mesh);
-    rtcReleaseGeometry(mesh);
-    rtcCommitScene(scene_.get());
-  }
-
-  /// Triangle that each of the first `count` directions meets first, RTC_INVALID_GEOMETRY_ID where none.
-  std::array<unsigned, width> hits(const glm::vec3& origin, const std::array<glm::vec3, width>& directions,
-                                   unsigned count) const {
-    alignas(64) std::array<int, width> valid;
-    RTCRayHit16 packet;
-    for (unsigned i = 0; i < width; ++i) {
-      valid[i] = i < count ? -1 : 0;
-      packet.ray.org_x[i] = origin.x, packet.ray.org_y[i] = origin.y, packet.ray.org_z[i] = origin.z;
-      packet.ray.dir_x[i] = directions[i].x, packet.ray.dir_y[i] = directions[i].y;
-      packet.ray.dir_z[i] = directions[i].z;
-      packet.ray.tnear[i] = 0;
-      packet.ray.tfar[i] = std::numeric_limits<float>::infinity();
-      packet.ray.time[i] = 0;
-      packet.ray.mask[i] = ~0u;
-      packet.ray.flags[i] = packet.ray.id[i] = 0;
-      packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-      packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-    }
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    rtcIntersect16(valid.data(), scene_.get(), &context, &packet);
-    std::array<unsigned, width> triangles;
-    std::copy_n(packet.hit.primID, width, triangles.begin());
-    return triangles;
-  }
-
- private:
-  template <auto release>
-  struct Release {
-    template <typename Handle>
-    void operator()(Handle* handle) const {
-      release(handle);
-    }
-  };
-  std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release<rtcReleaseDevice>> device_;
-  std::unique_ptr<std::remove_pointer_t<RTCScene>, Release<rtcReleaseScene>> scene_;
-};
 
 /// Where viewpoints stand: at a corner of cells, along an edge, or anywhere in a cell. Corners that do not
 /// differ are given twice or three times.
@@ -145,8 +75,8 @@ struct Direction {
 /// What one site sees during one pass.
 class Look {
  public:
-  Look(const Scene& scene, const std::vector<Box>& bounds, const Tracer& tracer)
-      : scene_(scene), bounds_(bounds), tracer_(tracer), last_hit_(scene.object_count) {
+  Look(const Scene& scene, const std::vector<Box>& bounds, const RayCaster& caster)
+      : scene_(scene), bounds_(bounds), caster_(caster), last_hit_(scene.object_count) {
     for (const Box& box : bounds) {
       lowest_top_ = std::min(lowest_top_, box.high[2]);
       highest_top_ = std::max(highest_top_, box.high[2]);
@@ -226,19 +156,21 @@ class Look {
   void climb() {
     while (!directions_.empty()) {
       std::size_t kept = 0;
-      for (std::size_t first = 0; first < directions_.size(); first += Tracer::width) {
+      for (std::size_t first = 0; first < directions_.size(); first += RayCaster::width) {
         const auto count =
-            static_cast<unsigned>(std::min<std::size_t>(Tracer::width, directions_.size() - first));
-        std::array<glm::vec3, Tracer::width> rays{};
+            static_cast<unsigned>(std::min<std::size_t>(RayCaster::width, directions_.size() - first));
+        std::array<glm::vec3, RayCaster::width> rays{};
         for (unsigned i = 0; i < count; ++i) {
           const Direction& d = directions_[first + i];
           rays[i] = {d.heading.x, d.heading.y, d.slope};
         }
         rays_ += count;
-        const auto triangles = tracer_.hits(origin_, rays, count);
+        std::array<glm::vec3, RayCaster::width> origins;
+        origins.fill(origin_);
+        const auto hits = caster_.hits(origins, rays, count, true);
         for (unsigned i = 0; i < count; ++i) {
-          if (triangles[i] == RTC_INVALID_GEOMETRY_ID) continue;
-          const std::uint32_t object = scene_.object_of_triangle[triangles[i]];
+          if (hits[i].triangle == Hit::nothing) continue;
+          const std::uint32_t object = scene_.object_of_triangle[hits[i].triangle];
           const std::uint32_t before = std::exchange(last_hit_[object], viewpoint_);
           if (before == 0) seen_.push_back(object);
           if (before != viewpoint_) hit_here_.push_back(object);
@@ -274,7 +206,7 @@ class Look {
   const Scene& scene_;
   const std::vector<Box>& bounds_;
   float lowest_top_ = std::numeric_limits<float>::infinity(), highest_top_ = -lowest_top_;
-  const Tracer& tracer_;
+  const RayCaster& caster_;
   glm::vec3 origin_{};
   std::uint32_t viewpoint_ = 0;          // how many there have been
   std::vector<std::uint32_t> last_hit_;  // from which of them; 0: none
@@ -322,9 +254,12 @@ SeenByRays see_by_rays(const Scene& scene, const ViewCells& cells, const RaySamp
   if (options.passes == 0 || options.origins == 0 || options.directions == 0) {
     throw std::invalid_argument("ray sampling: passes, origins and directions must be at least 1");
   }
+  if (!cells.boxes.empty()) {
+    throw std::invalid_argument("ray sampling: needs view cells that are triangles of the ground, not boxes");
+  }
   if (!(options.enough_yield >= 0))
     throw std::invalid_argument("ray sampling: the yield must not be below 0");
-  const Tracer tracer(scene);
+  const RayCaster caster(scene);
   const std::vector<Box> bounds = object_bounds(scene);
 
   std::vector<Site> sites = sites_of(cells);
@@ -340,7 +275,7 @@ SeenByRays see_by_rays(const Scene& scene, const ViewCells& cells, const RaySamp
           if (site.resting) return;
           const float turn = Random(options.seed, i).unit();
           Random random(options.seed, i + sites.size() * (pass + 1));
-          Look look(scene, bounds, tracer);
+          Look look(scene, bounds, caster);
           Objects aims;
           for (const std::uint32_t cell : site.cells) aims = united(aims, seen_by_cell[cell]);
           const std::uint32_t origins = site.kind == Site::edge ? options.origins : 1;

@@ -6,6 +6,7 @@
 
 #include "matrix/parallel.h"
 #include "visibility/scene.h"
+#include "visibility/view_cells.h"
 
 namespace vismat {
 

@@ -6,7 +6,7 @@
 #include "matrix/atomic_file.h"
 #include "matrix/byte_reader.h"
 #include "tests/matrix/temporary_folder.h"
-#include "visibility/scene.h"
+#include "visibility/scene_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const vismat::TemporaryFolder folder;

@@ -1,4 +1,4 @@
-#include "visibility/scene.h"
+#include "visibility/scene_file.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,29 @@
+// The places from which a scene is looked at.
+#pragma once
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <vector>
+
+#include "matrix/dataset.h"
+#include "visibility/convex.h"
+
+namespace vismat {
+
+/// View cells are convex and closed: prisms over triangles of the ground, numbered first, then boxes. Either may be flat.
+struct ViewCells {
+  std::vector<glm::vec3> corners;         // 3 a prism: a viewer stands at a point of the triangle,
+  float eye_low = 1.6f, eye_high = 1.6f;  // eyes between these heights above it
+  std::vector<Box> boxes;
+  std::optional<VisibilityMatrix> neighbours;  // cells x cells: which share a face
+  std::uint32_t prisms() const { return static_cast<std::uint32_t>(corners.size() / 3); }
+  std::uint32_t count() const { return prisms() + static_cast<std::uint32_t>(boxes.size()); }
+};
+
+/// One box a cell: for a prism from the lowest eye to the highest.
+std::vector<Box> cell_bounds(const ViewCells& cells);
+
+/// The cell as a solid; a flat one keeps the faces, edges and vertices that fall together.
+Convex convex_of(const ViewCells& cells, std::uint32_t cell);
+
+}  // namespace vismat
