@@ -101,6 +101,23 @@ Convex convex_polygon(std::span<const glm::dvec3> corners, const glm::dvec3& nor
   return with_normals({corners.begin(), corners.end()}, {{normal, 0, front}, {-normal, 0, back}});
 }
 
+Convex convex_plate(std::span<const glm::dvec3> corners, const glm::dvec3& normal) {
+  const auto count = static_cast<std::uint16_t>(corners.size());
+  std::vector<glm::dvec3> vertices(corners.begin(), corners.end());
+  vertices.insert(vertices.end(), corners.begin(), corners.end());
+  std::vector<Convex::Face> faces = {{-normal, 0, {}}, {normal, 0, {}}};
+  for (std::uint16_t i = 0; i < count; ++i) {
+    const auto next = static_cast<std::uint16_t>((i + 1) % count);
+    faces[0].corners.insert(faces[0].corners.begin(), i);
+    faces[1].corners.push_back(static_cast<std::uint16_t>(i + count));
+    faces.push_back(
+        {glm::normalize(glm::cross(corners[next] - corners[i], normal)),
+         0,
+         {i, next, static_cast<std::uint16_t>(next + count), static_cast<std::uint16_t>(i + count)}});
+  }
+  return with_normals(std::move(vertices), std::move(faces));
+}
+
 Convex convex_from_faces(std::vector<glm::dvec3> vertices,
                          std::vector<std::vector<std::uint16_t>> corners_of_face) {
   std::vector<Convex::Face> faces;

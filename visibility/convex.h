@@ -33,6 +33,9 @@ Convex convex_prism(const std::array<glm::vec3, 3>& ground, float low, float hig
 /// A flat convex polygon, corners in order round it; two faces. `normal` belongs to the side from which they run
 /// counter-clockwise.
 Convex convex_polygon(std::span<const glm::dvec3> corners, const glm::dvec3& normal);
+/// The same polygon as a view cell: a plate without thickness whose rim has faces of its own, so that what stands beside it
+/// sees an outline too.
+Convex convex_plate(std::span<const glm::dvec3> corners, const glm::dvec3& normal);
 /// From vertices and the faces' corners, counter-clockwise from outside; planes are Newell's, moved outward until no vertex
 /// lies beyond them. Throws std::invalid_argument unless each edge has two faces that run along it in opposite directions.
 Convex convex_from_faces(std::vector<glm::dvec3> vertices,

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ class Crew {
                                  const std::function<Piece(std::uint64_t)>& piece,
                                  const Progress& progress = {}) = 0;
 };
+
+/// Lists of ids as bytes: their number, then each as 4 bytes, in this machine's order of bytes.
+void put_ids(Crew::Piece& piece, std::span<const std::uint32_t> ids);
+/// Takes one off the front; throws FormatError if it is not whole.
+std::vector<std::uint32_t> take_ids(std::span<const std::byte>& bytes);
 
 /// The threads of this process (0: one a core); nothing is stored.
 class ThreadCrew : public Crew {

@@ -1,0 +1,26 @@
+// The planes between which a view cell and an occluder lie, and which bound the occluder's umbra.
+#pragma once
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "visibility/convex.h"
+
+namespace vismat {
+
+/// Inside: dot(normal, x) >= offset; the normal has unit length.
+struct Plane {
+  glm::dvec3 normal{};
+  double offset = 0;
+};
+
+/// True if some face of one has all of the other in front of it by more than `gap` metres; for a flat occluder only its own
+/// faces count. Not every pair that lies apart is found so (two edges may keep them apart), which costs an occluder, never
+/// a visible object.
+bool apart(const Convex& cell, const Convex& occluder, double gap, bool flat);
+
+/// Facets of the convex hull of both that touch both (without those through an edge of the cell if the occluder is flat:
+/// they bound no umbra there), both lying inside of each plane. Between them and behind the occluder lies its umbra: the
+/// points that no segment from the cell reaches without meeting it. Needs apart(). Adds to `planes`. O(edges * vertices).
+void supporting_planes(const Convex& cell, const Convex& occluder, bool flat, std::vector<Plane>& planes);
+
+}  // namespace vismat
