@@ -76,6 +76,7 @@ OctreeCells make_octree_cells(const Scene& scene, const VisibleTriangles& count,
   };
   std::vector<Leaf> leaves;
   OctreeCells result;
+  result.side = side;
   std::vector<Place> places;
   if (reachable[0]({0, 0, 0})) places.push_back({0, 0, 0});
   if (places.empty()) throw std::invalid_argument("view cells: viewers reach none of the region");
@@ -123,10 +124,11 @@ OctreeCells make_octree_cells(const Scene& scene, const VisibleTriangles& count,
   return result;
 }
 
-std::string table_of(std::span<const OctreeLevel> levels, double side) {
+std::string table_of(const OctreeCells& octree) {
   std::string table = "level      side, m  evaluated       kept  over the threshold  by a factor of\n";
-  for (std::size_t level = 0; level < levels.size(); ++level, side /= 2) {
-    const OctreeLevel& l = levels[level];
+  double side = octree.side;
+  for (std::size_t level = 0; level < octree.levels.size(); ++level, side /= 2) {
+    const OctreeLevel& l = octree.levels[level];
     const double share =
         l.evaluated == 0 ? 0 : 100 * static_cast<double>(l.stopped) / static_cast<double>(l.evaluated);
     char line[128];

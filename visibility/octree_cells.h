@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +33,7 @@ struct OctreeLevel {
 struct OctreeCells {
   ViewCells cells;                       // cubes in Z-order, with their neighbours
   std::vector<std::uint64_t> triangles;  // visible from each cell
+  double side = 0;                       // of the root, metres
   std::vector<OctreeLevel> levels;       // the root's first, as many as were needed
 };
 
@@ -47,7 +47,7 @@ OctreeCells make_octree_cells(const Scene& scene, const VisibleTriangles& count,
                               const OctreeCellsOptions& options = {});
 
 /// A line a level under a heading: side of its cells, cells evaluated, kept, stopped by the limit and how far over the
-/// threshold those are. `side` is the root's, metres.
-std::string table_of(std::span<const OctreeLevel> levels, double side);
+/// threshold those are.
+std::string table_of(const OctreeCells& octree);
 
 }  // namespace vismat

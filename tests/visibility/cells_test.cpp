@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "matrix/random.h"
+#include "visibility/cells_choice.h"
 #include "visibility/grid_cells.h"
 #include "visibility/octree_cells.h"
 
@@ -251,7 +252,7 @@ TEST(OctreeCells, LeavesCoverWhatViewersReachOnce) {
   EXPECT_EQ(stopped, static_cast<std::uint64_t>(
                          std::count_if(octree.triangles.begin(), octree.triangles.end(),
                                        [&](std::uint64_t t) { return t > options.threshold; })));
-  const std::string table = table_of(octree.levels, 12);
+  const std::string table = table_of(octree);
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 6) << table;
 }
 
@@ -288,6 +289,45 @@ TEST(OctreeCells, RefusesWhatCannotBe) {
   OctreeCellsOptions options;
   options.levels = 11;
   EXPECT_THROW(make_octree_cells(scene, nearer_is_more({}), options), std::invalid_argument);
+}
+
+TEST(CellsChoice, ReadsWords) {
+  const auto grid = std::get<GridCellsOptions>(
+      parse_cells({"grid:4,4,1.5", "-1,-2.5,0,1e2,2,3", {"1,2,3", "-4,5,6"}, "1.6,1.8"}));
+  EXPECT_EQ(grid.size, glm::vec3(4, 4, 1.5f));
+  EXPECT_EQ(grid.region, (Box{{-1, -2.5f, 0}, {100, 2, 3}}));
+  EXPECT_EQ(grid.viewers.from, (std::vector<glm::vec3>{{1, 2, 3}, {-4, 5, 6}}));
+  EXPECT_EQ(grid.viewers.eyes, (std::array{1.6f, 1.8f}));
+  EXPECT_EQ(std::get<GridCellsOptions>(parse_cells({"grid:0.25", "", {}, ""})).size, glm::vec3(0.25f));
+  const auto octree = std::get<OctreeCellsOptions>(parse_cells({"octree:5000", "", {}, "1.7"}));
+  EXPECT_EQ(octree.threshold, 5000u);
+  EXPECT_EQ(octree.levels, OctreeCellsOptions{}.levels);
+  EXPECT_EQ(octree.viewers.eyes, (std::array{1.7f, 1.7f}));
+  EXPECT_EQ(std::get<OctreeCellsOptions>(parse_cells({"octree:5000:3", "", {}, ""})).levels, 3u);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(parse_cells({})));
+  EXPECT_NE(describe(CellsChoice{grid}), describe(CellsChoice{GridCellsOptions{}}));
+}
+
+TEST(CellsChoice, RefusesOtherWords) {
+  for (const char* cells :
+       {"", "grid", "grid:", "grid:4m", "grid:1,2", "grid:nan", "grid:1e30", "grid:4:4", "octree",
+        "octree:", "octree:-3", "octree:5:x", "octree:5:6:7", "file:1", "cubes:3"}) {
+    EXPECT_THROW(parse_cells({cells, "", {}, ""}), std::invalid_argument) << cells;
+  }
+  for (const char* region : {"1,2,3", "0,0,0,1,1,-1", "0,0,0,1,1,inf", "0,0,0,1,1,1,"}) {
+    EXPECT_THROW(parse_cells({"grid:1", region, {}, ""}), std::invalid_argument) << region;
+  }
+  EXPECT_THROW(parse_cells({"grid:1", "", {"1,2"}, ""}), std::invalid_argument);
+  for (const char* eyes : {"2,1", "-1", "1,2,3", "high"}) {
+    EXPECT_THROW(parse_cells({"grid:1", "", {}, eyes}), std::invalid_argument) << eyes;
+  }
+  EXPECT_THROW(parse_cells({"file", "", {}, "1.6"}), std::invalid_argument);
+  EXPECT_THROW(choose_cells(hollow(0), {}, {}, {}), std::invalid_argument) << "the scene has no cells";
+}
+
+TEST(CellsChoice, CountsTriangles) {
+  EXPECT_EQ(triangles_of_rows(VisibilityMatrix::from_rows({{0, 2}, {}, {1}}, 7), hollow(0)).size(), 3u);
+  EXPECT_EQ(triangles_of_rows(VisibilityMatrix::from_rows({{0, 2}, {}, {1}}, 7), hollow(0))[0], 24u);
 }
 
 }  // namespace
