@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "codecs/bit_stream.h"
-#include "codecs/checksum.h"
+#include "matrix/checksum.h"
 #include "codecs/row_codec.h"
 #include "codecs/sections.h"
 #include "matrix/claimed_shape.h"

@@ -9,7 +9,7 @@
 
 #include "codecs/baseline_codecs.h"
 #include "codecs/bitmap.h"
-#include "codecs/checksum.h"
+#include "matrix/checksum.h"
 #include "codecs/container.h"
 #include "matrix/atomic_file.h"
 #include "matrix/deltas.h"

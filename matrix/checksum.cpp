@@ -1,4 +1,4 @@
-#include "codecs/checksum.h"
+#include "matrix/checksum.h"
 
 #include <array>
 #include <cstring>
