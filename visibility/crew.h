@@ -1,8 +1,9 @@
-// Who does the work: the threads of one process, or those of many.
+// Who does the work: the threads of one process, or those of many; and where it is kept.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,10 +19,14 @@ class Crew {
   using Piece = std::vector<std::byte>;
   virtual ~Crew() = default;
 
-  /// piece(i) for each i in [0, count), in order, on every process. `stage` names the work, once a run.
+  /// piece(i) for each i in [0, count), in order, on every process. `stage` names the work, once a run. `progress` counts
+  /// the pieces that were not stored, over all processes, on the one that leads. An exception on any process ends the
+  /// stage on all of them.
   virtual std::vector<Piece> run(const std::string& stage, std::uint64_t count,
                                  const std::function<Piece(std::uint64_t)>& piece,
                                  const Progress& progress = {}) = 0;
+  /// The one process that writes the output and talks.
+  virtual bool leads() const { return true; }
 };
 
 /// Lists of ids as bytes: their number, then each as 4 bytes, in this machine's order of bytes.
@@ -29,16 +34,36 @@ void put_ids(Crew::Piece& piece, std::span<const std::uint32_t> ids);
 /// Takes one off the front; throws FormatError if it is not whole.
 std::vector<std::uint32_t> take_ids(std::span<const std::byte>& bytes);
 
-/// The threads of this process (0: one a core); nothing is stored.
+/// Where finished pieces outlive the run.
+class PieceStore {
+ public:
+  virtual ~PieceStore() = default;
+  /// Puts what is stored of a stage in its places, and returns the numbers of the other pieces, ascending.
+  virtual std::vector<std::uint64_t> restore(const std::string& stage, std::vector<Crew::Piece>& pieces) = 0;
+  /// May be called by several threads at once.
+  virtual void store(const std::string& stage, std::uint64_t number, const Crew::Piece& piece) = 0;
+};
+
+/// As restore; with no store (null), all the numbers.
+inline std::vector<std::uint64_t> missing_pieces(PieceStore* store, const std::string& stage,
+                                                 std::vector<Crew::Piece>& pieces) {
+  if (store != nullptr) return store->restore(stage, pieces);
+  std::vector<std::uint64_t> all(pieces.size());
+  std::iota(all.begin(), all.end(), std::uint64_t{0});
+  return all;
+}
+
+/// The threads of this process (0: one a core). Pieces go to `store`, if any, as they are done; it must outlive the crew.
 class ThreadCrew : public Crew {
  public:
-  explicit ThreadCrew(unsigned threads = 0) : threads_(threads) {}
+  explicit ThreadCrew(unsigned threads = 0, PieceStore* store = nullptr) : threads_(threads), store_(store) {}
   std::vector<Piece> run(const std::string& stage, std::uint64_t count,
                          const std::function<Piece(std::uint64_t)>& piece,
                          const Progress& progress = {}) override;
 
  private:
   unsigned threads_;
+  PieceStore* store_;
 };
 
 }  // namespace vismat
