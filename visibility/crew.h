@@ -2,12 +2,15 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <numeric>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include "matrix/byte_reader.h"
 #include "matrix/parallel.h"
 
 namespace vismat {
@@ -29,10 +32,28 @@ class Crew {
   virtual bool leads() const { return true; }
 };
 
-/// Lists of ids as bytes: their number, then each as 4 bytes, in this machine's order of bytes.
-void put_ids(Crew::Piece& piece, std::span<const std::uint32_t> ids);
-/// Takes one off the front; throws FormatError if it is not whole.
-std::vector<std::uint32_t> take_ids(std::span<const std::byte>& bytes);
+/// A list as bytes: how many items, in 8 bytes, then the items, all in this machine's order of bytes.
+template <typename Item>
+void put(Crew::Piece& piece, std::span<const Item> items) {
+  static_assert(std::is_trivially_copyable_v<Item>);
+  const std::uint64_t count = items.size();
+  for (const std::span<const std::byte> bytes : {std::as_bytes(std::span(&count, 1)), std::as_bytes(items)}) {
+    piece.insert(piece.end(), bytes.begin(), bytes.end());
+  }
+}
+/// Takes a list off the front; throws FormatError if it is not whole.
+template <typename Item>
+std::vector<Item> take(std::span<const std::byte>& bytes) {
+  std::uint64_t count = 0;
+  if (bytes.size() >= sizeof count) std::memcpy(&count, bytes.data(), sizeof count);
+  if (bytes.size() < sizeof count || (bytes.size() - sizeof count) / sizeof(Item) < count) {
+    throw FormatError("a piece of work ends too early");
+  }
+  std::vector<Item> items(count);
+  if (count > 0) std::memcpy(items.data(), bytes.data() + sizeof count, count * sizeof(Item));
+  bytes = bytes.subspan(sizeof count + count * sizeof(Item));
+  return items;
+}
 
 /// Where finished pieces outlive the run.
 class PieceStore {

@@ -12,8 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <iterator>
 #include <numeric>
@@ -132,12 +130,12 @@ struct Shadows::Data {
   std::vector<std::uint32_t> first_occluder;  // of each object, and the end
   std::vector<Box> bounds, node_bounds;
   ObjectTree tree;
-  double gap = 0;  // metres by which a cell and an occluder must be apart
+  double gap = 0;  // metres by which a cell and a flat occluder must be apart
 };
 
-Shadows::Shadows(const Scene& scene, const OccluderOptions& options) {
+Shadows::Shadows(const Scene& scene, std::vector<Occluder> occluders) {
   auto data = std::make_unique<Data>();
-  data->occluders = find_occluders(scene, options);
+  data->occluders = std::move(occluders);
   data->first_occluder.assign(std::size_t{scene.object_count} + 1, 0);
   for (const Occluder& occluder : data->occluders) ++data->first_occluder[occluder.object + 1];
   std::partial_sum(data->first_occluder.begin(), data->first_occluder.end(), data->first_occluder.begin());
@@ -355,46 +353,6 @@ HiddenWitness Shadows::View::witness(const Convex& cell, std::uint32_t object) {
       !work_->refine(cell, around, std::span(&object, 1), {}, &witness).empty())
     return {};
   return witness;
-}
-
-Sight see_by_shadow(const Scene& scene, const ViewCells& cells, const ShadowOptions& options, Crew& crew,
-                    const Progress& progress) {
-  const Shadows shadows(scene, options.occluders);
-  constexpr std::uint32_t batch = 8;  // cells that share a pair of buffers
-  const auto pieces = crew.run(
-      "shadow", (cells.count() + batch - 1) / batch,
-      [&](std::uint64_t piece) {
-        const auto view = shadows.view(options);
-        Crew::Piece bytes;
-        const auto end =
-            static_cast<std::uint32_t>(std::min<std::uint64_t>(cells.count(), (piece + 1) * batch));
-        for (auto cell = static_cast<std::uint32_t>(piece * batch); cell < end; ++cell) {
-          const Convex convex = convex_of(cells, cell);
-          const Objects around = view->not_hidden(convex);
-          put_ids(bytes, view->refined(convex, around, around));
-        }
-        return bytes;
-      },
-      progress);
-  std::vector<Objects> rows;
-  for (const Crew::Piece& piece : pieces) {
-    for (std::span<const std::byte> rest = piece; !rest.empty();) rows.push_back(take_ids(rest));
-  }
-  Sight sight;
-  sight.seen = VisibilityMatrix::from_rows(std::vector<Objects>(cells.count()), scene.object_count);
-  sight.not_hidden = VisibilityMatrix::from_rows(rows, scene.object_count);
-  return sight;
-}
-
-std::string describe(const ShadowOptions& o) {
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "shadow: %u points at %u pixels, at most %u patches at %u pixels, %u boxes and %u polygons "
-                "an object, none below %g m%s",
-                o.points, o.resolution, o.patches, o.patch_resolution, o.occluders.boxes_per_object,
-                o.occluders.polygons_per_object, static_cast<double>(o.occluders.smallest),
-                o.occluders.extend_below_ground ? ", solids reach below the ground" : "");
-  return text;
 }
 
 }  // namespace vismat

@@ -6,14 +6,10 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "visibility/crew.h"
 #include "visibility/occluders.h"
-#include "visibility/sight.h"
 #include "visibility/supporting_planes.h"
-#include "visibility/view_cells.h"
 
 namespace vismat {
 
@@ -23,7 +19,6 @@ struct ShadowOptions {
       1;  // projection points whose shadows are joined: 1 (centre), 9 (and corners), 27 (and edges, faces)
   std::uint32_t patches = 0;  // views from patches of the cell's boundary, at most; 0: the whole cell at once
   std::uint32_t patch_resolution = 256;
-  OccluderOptions occluders;
 };
 
 /// A flat piece of a view cell's boundary, or all of the cell.
@@ -47,7 +42,8 @@ struct HiddenWitness {
 /// The occluders of a scene and the tree over its objects; shared by threads, each with a View of its own.
 class Shadows {
  public:
-  explicit Shadows(const Scene& scene, const OccluderOptions& options = {});
+  /// Occluders ascending by object, as find_occluders() gives them.
+  Shadows(const Scene& scene, std::vector<Occluder> occluders);
   ~Shadows();
 
   std::span<const Occluder> occluders() const;
@@ -84,12 +80,5 @@ class Shadows::View {
   struct Work;
   std::unique_ptr<Work> work_;
 };
-
-/// Conservative: not_hidden alone is filled in. Same scene and options, same result, for any crew.
-Sight see_by_shadow(const Scene& scene, const ViewCells& cells, const ShadowOptions& options, Crew& crew,
-                    const Progress& progress = {});
-
-/// One line that names every parameter.
-std::string describe(const ShadowOptions& options);
 
 }  // namespace vismat

@@ -13,6 +13,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace vismat {
 namespace {
@@ -23,19 +24,25 @@ constexpr double margin = 1e-8;
 /// A function over a face of the cube: at (x, y) in [-1, 1]^2 its value is x * u + y * v + w.
 struct Linear {
   double u, v, w;
+  double inverse = 0;  // of u, of a half-plane that cuts rows
 };
 Linear on_face(unsigned face, const glm::dvec3& k) {
   const int axis = static_cast<int>(face / 2);
-  return {k[(axis + 1) % 3], k[(axis + 2) % 3], face % 2 ? k[axis] : -k[axis]};
+  return {k[(axis + 1) % 3], k[(axis + 2) % 3], face % 2 ? k[axis] : -k[axis], 0};
 }
 
 /// The part of a face that lies in some half-planes, as bounds; less than 34 corners however many half-planes.
 class Window {
+  using Corner = std::array<double, 2>;
+
  public:
-  Window() : corners_{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}, count_(4) {}
+  Window() {
+    for (const auto& [x, y] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
+      corners_[count_++] = {x, y};
+  }
   /// False if nothing is left.
   bool cut(const Linear& side) {
-    std::array<std::array<double, 2>, most> kept;
+    Corner kept[most];
     unsigned count = 0;
     for (unsigned i = 0; i < count_; ++i) {
       const auto &a = corners_[i], &b = corners_[i + 1 == count_ ? 0 : i + 1];
@@ -48,7 +55,7 @@ class Window {
       }
       if (count + 2 > most) return true;  // bounds of what was left before are bounds still
     }
-    corners_ = kept;
+    std::copy_n(kept, count, corners_);
     count_ = count;
     return count_ > 0;
   }
@@ -63,8 +70,8 @@ class Window {
 
  private:
   static constexpr unsigned most = 32;
-  std::array<std::array<double, 2>, most> corners_;
-  unsigned count_;
+  Corner corners_[most];
+  unsigned count_ = 0;
 };
 
 /// Planes through the point along the outline that a solid shows it, and those of its lit faces as nearness over direction:
@@ -144,7 +151,9 @@ bool ShadowBuffer::draw(const Convex& shape, std::span<const Plane> planes, std:
         empty = true;
         break;
       }
-      if (cut.w - reach < 0) cuts.push_back(cut);
+      if (cut.w - reach >= 0) continue;
+      cut.inverse = 1 / cut.u;
+      cuts.push_back(cut);
     }
     if (empty) continue;
     for (const Linear& cut : cuts) {
@@ -155,30 +164,29 @@ bool ShadowBuffer::draw(const Convex& shape, std::span<const Plane> planes, std:
     }
     if (empty) continue;
     const auto rows = window.bounds(1);
-    const auto first_row = static_cast<std::int64_t>(std::floor((rows[0] + 1) / pixel_));
+    const auto first_row = static_cast<std::int32_t>(std::floor((rows[0] + 1) / pixel_));
     const auto end_row =
-        std::min<std::int64_t>(resolution_, static_cast<std::int64_t>(std::ceil((rows[1] + 1) / pixel_)));
+        std::min<std::int32_t>(resolution_, static_cast<std::int32_t>(std::ceil((rows[1] + 1) / pixel_)));
     depths.clear();
     for (const glm::dvec3& near : outline.nearness) depths.push_back(on_face(f, near));
     Face& face = faces_[f];
-    for (std::int64_t row = std::max<std::int64_t>(0, first_row); row < end_row; ++row) {
+    for (std::int32_t row = std::max<std::int32_t>(0, first_row); row < end_row; ++row) {
       const double low = -1 + static_cast<double>(row) * pixel_, high = low + pixel_;
       double left = -1, right = 1;
       for (const Linear& cut : cuts) {
         const double rest = cut.w + cut.v * (cut.v > 0 ? low : high);
         if (cut.u > 0) {
-          left = std::max(left, -rest / cut.u);
+          left = std::max(left, -rest * cut.inverse);
         } else if (cut.u < 0) {
-          right = std::min(right, -rest / cut.u);
+          right = std::min(right, -rest * cut.inverse);
         } else if (rest < 0) {
           right = left;
         }
       }
       if (left >= right) continue;
-      const auto first =
-          left > -1 ? static_cast<std::int64_t>(std::ceil((left + 1 + 1e-9) / pixel_)) : std::int64_t{0};
-      const auto end = right < 1 ? static_cast<std::int64_t>(std::floor((right + 1 - 1e-9) / pixel_))
-                                 : std::int64_t{resolution_};
+      const auto first = left > -1 ? static_cast<std::int32_t>(std::ceil((left + 1 + 1e-9) / pixel_)) : 0;
+      const auto end = right < 1 ? static_cast<std::int32_t>(std::floor((right + 1 - 1e-9) / pixel_))
+                                 : static_cast<std::int32_t>(resolution_);
       if (first >= end) continue;
       const std::size_t place = static_cast<std::size_t>(row) * resolution_;
       float* const nearness = face.nearness.data() + place;
@@ -197,13 +205,13 @@ bool ShadowBuffer::draw(const Convex& shape, std::span<const Plane> planes, std:
       const auto fill = [&](const auto& value) {
         if (named_) {
           std::uint32_t* const names = face.names.data() + place;
-          for (std::int64_t i = first; i < end; ++i) {
+          for (std::int32_t i = first; i < end; ++i) {
             const float now = value(static_cast<float>(i));
             if (now > nearness[i]) nearness[i] = now, names[i] = name;
           }
           return;
         }
-        for (std::int64_t i = first; i < end; ++i)
+        for (std::int32_t i = first; i < end; ++i)
           nearness[i] = std::max(nearness[i], value(static_cast<float>(i)));
       };
       if (count <= 3) {
@@ -285,27 +293,28 @@ bool ShadowBuffer::touched_pixels(const Box& box, const Visit& visit) const {
       cut.w += margin * std::sqrt(3.0);
       const double reach = std::abs(cut.u) + std::abs(cut.v);
       empty = cut.w + reach < 0;
+      cut.inverse = 1 / cut.u;
       if (cut.w - reach < 0) cuts[cut_count++] = cut;
     }
     for (unsigned i = 0; i < cut_count && !empty; ++i) empty = !window.cut(cuts[i]);
     if (empty) continue;
     const auto columns = window.bounds(0), rows = window.bounds(1);
     const auto pixel_of = [&](double x) {
-      return static_cast<std::int64_t>(
+      return static_cast<std::int32_t>(
           std::clamp(std::floor((x + 1) / pixel_), 0.0, static_cast<double>(resolution_ - 1)));
     };
-    const std::int64_t leftmost = pixel_of(columns[0] - 1e-9), rightmost = pixel_of(columns[1] + 1e-9) + 1;
+    const std::int32_t leftmost = pixel_of(columns[0] - 1e-9), rightmost = pixel_of(columns[1] + 1e-9) + 1;
     const float bound =
         nearest > 0 ? static_cast<float>(1 / nearest * (1 + 1e-6)) : std::numeric_limits<float>::infinity();
-    for (std::int64_t row = pixel_of(rows[0] - 1e-9), end_row = pixel_of(rows[1] + 1e-9) + 1; row < end_row;
+    for (std::int32_t row = pixel_of(rows[0] - 1e-9), end_row = pixel_of(rows[1] + 1e-9) + 1; row < end_row;
          ++row) {
       const double bottom = -1 + static_cast<double>(row) * pixel_, top = bottom + pixel_;
       double left = -1, right = 1;
       for (unsigned i = 0; i < cut_count; ++i) {
         const Linear& cut = cuts[i];
         const double rest = cut.w + cut.v * (cut.v > 0 ? top : bottom);
-        if (cut.u > 0) left = std::max(left, -rest / cut.u);
-        if (cut.u < 0) right = std::min(right, -rest / cut.u);
+        if (cut.u > 0) left = std::max(left, -rest * cut.inverse);
+        if (cut.u < 0) right = std::min(right, -rest * cut.inverse);
       }
       if (left > right + 1e-9) continue;
       const auto first = std::max(leftmost, pixel_of(left - 1e-9)),

@@ -50,11 +50,11 @@ void add_planes(const Convex& solid, const Convex& other, std::vector<Plane>& pl
 }  // namespace
 
 bool apart(const Convex& cell, const Convex& occluder, double gap, bool flat) {
-  const auto beyond = [gap](const Convex& faces, const Convex& all) {
+  const auto beyond = [](const Convex& faces, const Convex& all, double least) {
     return std::any_of(faces.faces.begin(), faces.faces.end(),
-                       [&](const Convex::Face& face) { return nearest(all, face) > gap; });
+                       [&](const Convex::Face& face) { return nearest(all, face) >= least; });
   };
-  return beyond(occluder, cell) || (!flat && beyond(cell, occluder));
+  return beyond(occluder, cell, flat ? gap : 0) || (!flat && beyond(cell, occluder, 0));
 }
 
 void supporting_planes(const Convex& cell, const Convex& occluder, bool flat, std::vector<Plane>& planes) {

@@ -13,9 +13,9 @@ struct Plane {
   double offset = 0;
 };
 
-/// True if some face of one has all of the other in front of it by more than `gap` metres; for a flat occluder only its own
-/// faces count. Not every pair that lies apart is found so (two edges may keep them apart), which costs an occluder, never
-/// a visible object.
+/// True if some face of one has all of the other in front of it. They may touch, since what a solid touches sees nothing
+/// through it; a flat occluder must lie more than `gap` metres away from the cell, all of which is on one side of it. Not every pair that lies
+/// apart is found so (two edges may keep them apart), which costs an occluder, never a visible object.
 bool apart(const Convex& cell, const Convex& occluder, double gap, bool flat);
 
 /// Facets of the convex hull of both that touch both (without those through an edge of the cell if the occluder is flat:
