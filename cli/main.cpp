@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   using namespace vismat::cli;
   add_import(app);
   add_city(app);
+  add_dense_city(app);
   add_generate(app);
   add_see(app);
   add_tree(app);
