@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
-#include <span>
+#include <vector>
 
 #include "visibility/scene.h"
 
@@ -17,6 +17,7 @@ struct Hit {
   float distance = 0;  // in lengths of the direction
 };
 
+/// See-through objects (Scene::see_through) stop no ray: hits() passes them by, passed() tells of them.
 /// Watertight where triangles share vertices (Embree's robust mode); triangles are hit from both sides. One may be shared by
 /// threads. Same rays, same hits, on one kind of CPU: Embree picks its code by the instruction set.
 class RayCaster {
@@ -35,6 +36,13 @@ class RayCaster {
                               const std::array<glm::vec3, width>& directions, unsigned count,
                               bool coherent) const;
   Hit hit(const glm::vec3& origin, const glm::vec3& direction) const;
+
+  /// Whether passed() can find anything.
+  bool any_see_through() const;
+  /// The see-through triangles that the ray meets within `distance` (as in Hit, infinite where there is none), ascending: with
+  /// the first opaque one, all that is seen along it. One ray at a time; for a scene that has none, free.
+  std::vector<std::uint32_t> passed(const glm::vec3& origin, const glm::vec3& direction,
+                                    float distance) const;
 
  private:
   struct Embree;

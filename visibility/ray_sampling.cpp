@@ -169,17 +169,24 @@ class Look {
         origins.fill(origin_);
         const auto hits = caster_.hits(origins, rays, count, true);
         for (unsigned i = 0; i < count; ++i) {
+          for (const std::uint32_t triangle : caster_.passed(origin_, rays[i], hits[i].distance)) {
+            take_note(scene_.object_of_triangle[triangle]);
+          }
           if (hits[i].triangle == Hit::nothing) continue;
           const std::uint32_t object = scene_.object_of_triangle[hits[i].triangle];
-          const std::uint32_t before = std::exchange(last_hit_[object], viewpoint_);
-          if (before == 0) seen_.push_back(object);
-          if (before != viewpoint_) hit_here_.push_back(object);
+          take_note(object);
           Direction& d = directions_[first + i];
           if (clear(bounds_[object], d)) directions_[kept++] = d;
         }
       }
       directions_.resize(kept);
     }
+  }
+
+  void take_note(std::uint32_t object) {
+    const std::uint32_t before = std::exchange(last_hit_[object], viewpoint_);
+    if (before == 0) seen_.push_back(object);
+    if (before != viewpoint_) hit_here_.push_back(object);
   }
 
   /// Raises the slope until the ray clears the box; false if nothing can be seen above it.

@@ -8,6 +8,7 @@
 
 #include "matrix/random.h"
 #include "visibility/city.h"
+#include "visibility/ray_caster.h"
 
 namespace vismat {
 namespace {
@@ -84,6 +85,46 @@ TEST(RaySampling, FindsWhatANarrowGapShows) {
   ViewCells cells;
   add_cell(cells, 0, 0);
   EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1, 2}));
+}
+
+TEST(RaySampling, GlassIsSeenAndSeenThrough) {
+  Scene scene;
+  add_box(scene, {{-100, 10, 0}, {100, 11, 50}});  // 0: a pane
+  add_box(scene, {{-5, 20, 0}, {5, 25, 5}});       // 1: behind it
+  add_box(scene, {{-5, 40, 0}, {5, 45, 35}});      // 2: over that, before the sky
+  add_box(scene, {{-4, 30, 0}, {4, 31, 2}});       // 3: behind 1
+  scene.see_through = {1, 0, 1, 0};
+  ViewCells cells;
+  add_cell(cells, 0, 0);
+  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1, 2}));
+}
+
+TEST(RayCaster, PassesWhatIsSeeThrough) {
+  Scene scene;
+  for (const float y : {0.f, 10.f, 20.f, 30.f, 40.f, 50.f}) add_box(scene, {{0, y, 0}, {9, y + 1, 9}});
+  scene.see_through = {1, 1, 0, 1, 0, 1};
+  const RayCaster caster(scene);
+  EXPECT_TRUE(caster.any_see_through());
+  const glm::vec3 from(3.3f, -10, 2), along(0, 2, 0.1f);
+  const auto object = [&](std::uint32_t triangle) { return scene.object_of_triangle[triangle]; };
+  const Hit hit = caster.hit(from, along);
+  ASSERT_NE(hit.triangle, Hit::nothing);
+  EXPECT_EQ(object(hit.triangle), 2u);
+  EXPECT_FLOAT_EQ(hit.distance, 15);
+  const auto passed_objects = [&](float distance) {
+    Ids objects;
+    for (const std::uint32_t triangle : caster.passed(from, along, distance)) objects.push_back(object(triangle));
+    return objects;
+  };
+  EXPECT_EQ(passed_objects(hit.distance), (Ids{0, 0, 1, 1}));
+  EXPECT_EQ(passed_objects(5.2f), (Ids{0}));
+  EXPECT_EQ(passed_objects(std::numeric_limits<float>::infinity()), (Ids{0, 0, 1, 1, 3, 3, 5, 5}));
+  EXPECT_EQ(caster.hit({4, 42, 2}, {0, 1, 0}).triangle, Hit::nothing) << "what is left is glass";
+  scene.see_through.assign(6, 0);
+  const RayCaster opaque(scene);
+  EXPECT_FALSE(opaque.any_see_through());
+  EXPECT_EQ(object(opaque.hit(from, along).triangle), 0u);
+  EXPECT_TRUE(opaque.passed(from, along, 1000).empty());
 }
 
 TEST(RaySampling, EyesBetweenTwoHeightsSeeFromBoth) {
