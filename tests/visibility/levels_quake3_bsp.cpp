@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "matrix/byte_reader.h"
@@ -105,6 +106,25 @@ TEST(Quake3Bsp, SceneHasOneObjectAFace) {
   EXPECT_EQ(level.face_bounds[2],
             (Box{{2, 0, 0}, {4, 2, 0.5f}}));  // a parabola reaches half its control point
   EXPECT_EQ(level.face_bounds[3], (Box{{5, 1, 1}, {5, 1, 1}}));
+}
+
+TEST(Quake3Bsp, SeeThroughAndUndrawnByTheShadersFlags) {
+  EXPECT_TRUE(parse_quake3_bsp(Quake().bytes()).face_scene.see_through.empty()) << "all are opaque";
+  Quake quake;
+  quake.shaders = {{0x4, 1}, {0, 0x20000001}, {0x4000, 0}, {0x10080, 0}};  // sky, glass, leafage, never drawn
+  for (std::int32_t i = 0; i < 4; ++i) quake.faces[i].shader = i;
+  const Level level = parse_quake3_bsp(quake.bytes());
+  EXPECT_EQ(level.face_scene.see_through, (std::vector<std::uint8_t>{0, 1, 1, 1, 0}));
+  quake.faces[2].shader = 3;
+  const Scene scene = parse_quake3_bsp(quake.bytes()).face_scene;
+  EXPECT_EQ(std::count(scene.object_of_triangle.begin(), scene.object_of_triangle.end(), 2u), 0);
+  EXPECT_EQ(scene.object_of_triangle.size(), 4u) << "the patch alone is gone";
+  EXPECT_EQ(parse_quake3_bsp(quake.bytes()).face_bounds, level.face_bounds) << "it keeps its place";
+  for (const std::uint32_t index : scene.indices) EXPECT_LT(index, scene.vertices.size());
+  quake.faces[1].shader = 4;
+  EXPECT_EQ(refused(quake), "lump 13 (faces): face 1: shader 4 of only 4");
+  quake.shaders.clear();
+  EXPECT_TRUE(parse_quake3_bsp(quake.bytes()).face_scene.see_through.empty()) << "nothing is known of them";
 }
 
 TEST(Quake3Bsp, PatchOfSeveralPiecesIsSeamless) {

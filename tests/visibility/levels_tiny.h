@@ -42,7 +42,9 @@ struct Quake {
   struct Face {
     std::int32_t type, first_vertex, vertices, first_index, indices, width = 0, height = 0;
     std::array<float, 3> origin{};
+    std::int32_t shader = 0;
   };
+  std::vector<std::array<std::uint32_t, 2>> shaders = {{0, 1}};  // flags: surface, contents
   std::array<char, 4> magic = {'I', 'B', 'S', 'P'};
   std::int32_t version = 46, clusters = 3, row_bytes = 8;
   std::vector<std::array<std::int32_t, 2>> nodes = {{1, 2}, {-2, -3}, {3, -5}, {-4, -6}};
@@ -76,6 +78,11 @@ struct Quake {
   std::array<Bytes, 17> lumps() const {
     std::array<Bytes, 17> lumps;
     put_text(lumps[0], "{}", 3);
+    for (const auto& [surface, contents] : shaders) {
+      put_text(lumps[1], "textures/base", 64);
+      put(lumps[1], surface);
+      put(lumps[1], contents);
+    }
     for (const auto& node : nodes) {
       for (const std::int32_t field : {0, node[0], node[1], 0, 0, 0, 0, 0, 0}) put(lumps[3], field);
     }
@@ -92,7 +99,7 @@ struct Quake {
     }
     lumps[11] = bytes_of(meshverts);
     for (const Face& face : faces) {
-      for (const std::int32_t field : {0, -1, face.type, face.first_vertex, face.vertices, face.first_index,
+      for (const std::int32_t field : {face.shader, -1, face.type, face.first_vertex, face.vertices, face.first_index,
                                        face.indices, 0, 0, 0, 0, 0}) {
         put(lumps[13], field);
       }

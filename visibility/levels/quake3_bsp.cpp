@@ -4,6 +4,8 @@
 //   meshverts (11) leaf.cluster -> a row and a column of visdata (16): i32 n, i32 row_bytes, n rows of bits,
 //   the lowest bit first
 //
+//   faces -> shaders (1): what the compiler knew of the material
+//
 // Every index is checked where it is read, once, against the lump it points into. What real levels taught
 // beyond the format's descriptions: leaf 0 and one leaf for each brush model (doors, platforms) are reached
 // by no node and say cluster 0 with an empty box, so places are taken from reached leafs only; faces share
@@ -27,6 +29,7 @@ namespace vismat {
 namespace {
 
 enum LumpNumber {
+  shaders_lump = 1,
   nodes_lump = 3,
   leafs_lump = 4,
   leaffaces_lump = 5,
@@ -41,6 +44,10 @@ constexpr std::array<const char*, lump_count> lump_names = {
     "leafbrushes", "models",  "brushes",   "brushsides", "vertexes", "meshverts",
     "effects",     "faces",   "lightmaps", "lightvols",  "visdata"};
 
+struct Shader {
+  char name[64];
+  std::uint32_t surface, contents;  // flags
+};
 struct Node {
   std::int32_t plane;
   BspChildren children;
@@ -63,13 +70,17 @@ struct Face {
   float lightmap_axes[2][3], normal[3];
   std::int32_t width, height;  // of a patch's control points
 };
-static_assert(sizeof(Node) == 36 && sizeof(Leaf) == 48 && sizeof(Vertex) == 44 && sizeof(Face) == 104);
+static_assert(sizeof(Shader) == 72 && sizeof(Node) == 36 && sizeof(Leaf) == 48 && sizeof(Vertex) == 44 && sizeof(Face) == 104);
 
 constexpr std::size_t most_places = 1
                                     << 15;  // leafs with a cluster; the engine's 2 MB of visdata end at 4096
 constexpr std::size_t most_scene_entries = 1
                                            << 24;  // vertices or triangles; the largest known level has 54150
 constexpr int patch_steps = 4;
+
+// Of a shader: drawn not at all; perhaps not opaque (nonsolid, lightfilter, alphashadow; translucent).
+constexpr std::uint32_t surface_nodraw = 0x80, surface_perhaps_clear = 0x4000 | 0x8000 | 0x10000,
+                        contents_translucent = 0x20000000;
 
 std::string name_of(int lump) {
   return "lump " + std::to_string(lump) + " (" + lump_names[lump] + ")";
@@ -217,7 +228,8 @@ VisibilityMatrix cluster_neighbours(std::vector<Leaf> places, std::uint32_t clus
 class FaceGeometry {
  public:
   explicit FaceGeometry(const Lumps& lumps)
-      : vertices_(records_of<Vertex>(lumps, vertexes_lump)),
+      : shaders_(records_of<Shader>(lumps, shaders_lump)),
+        vertices_(records_of<Vertex>(lumps, vertexes_lump)),
         meshverts_(records_of<std::int32_t>(lumps, meshverts_lump)) {
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       if (!finite(vertices_[i].position)) refuse(vertexes_lump, "vertex", i, "its position is not finite");
@@ -225,7 +237,8 @@ class FaceGeometry {
   }
 
   Box add(const Face& face, std::size_t number) {
-    const std::size_t first = scene_.vertices.size();
+    const Shader shader = shader_of(face, number);
+    const std::size_t first = scene_.vertices.size(), first_index = scene_.indices.size();
     GrowingBox places;
     if (face.type == polygon || face.type == mesh || face.type == patch) {
       const auto corners = corners_of(face, number);
@@ -244,13 +257,32 @@ class FaceGeometry {
                  " vertices or triangles");
     }
     for (std::size_t i = first; i < scene_.vertices.size(); ++i) places.add(scene_.vertices[i]);
+    if ((shader.surface & surface_nodraw) != 0) {  // only bumped into
+      scene_.vertices.resize(first);
+      scene_.indices.resize(first_index);
+    }
+    scene_.see_through.push_back((shader.surface & surface_perhaps_clear) != 0 ||
+                                 (shader.contents & contents_translucent) != 0);
     scene_.object_of_triangle.resize(scene_.indices.size() / 3, scene_.object_count++);
     return places.box();
   }
 
-  Scene take() { return std::move(scene_); }
+  Scene take() {
+    const auto& clear = scene_.see_through;
+    if (std::find(clear.begin(), clear.end(), 1) == clear.end()) scene_.see_through.clear();
+    return std::move(scene_);
+  }
 
  private:
+  Shader shader_of(const Face& face, std::size_t number) const {
+    if (shaders_.empty()) return {};
+    if (!in_range(face.shader, 1, shaders_.size())) {
+      refuse(faces_lump, "face", number,
+             "shader " + std::to_string(face.shader) + " of only " + std::to_string(shaders_.size()));
+    }
+    return shaders_[face.shader];
+  }
+
   static bool finite(const glm::vec3& p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
   }
@@ -335,6 +367,7 @@ class FaceGeometry {
     std::array<float, 3> weights;
   };
 
+  std::vector<Shader> shaders_;
   std::vector<Vertex> vertices_;
   std::vector<std::int32_t> meshverts_;
   Scene scene_;

@@ -11,7 +11,8 @@ namespace vismat {
 /// the tree come from the leafs that the node tree reaches. Two clusters are neighbours if a leaf of each has
 /// boxes at most one unit apart that overlap by more than a unit along at least two axes: they share more
 /// than an edge, as far as boxes (rounded to whole units) can tell. Patches become 4 x 4 quads per 3 x 3
-/// control points; billboards have a place but no triangles. Throws FormatError, one line naming lump and
+/// control points; billboards, and faces that are never drawn, have a place but no triangles. What may let light pass, by
+/// its shader's flags, is see-through (docs/levels.md). Throws FormatError, one line naming lump and
 /// offender, for anything that is not a whole level with visibility data; what it allocates is bounded by the
 /// bytes given and by most_visible_pairs. O(pairs listed + leafs^2 at worst); 0.1 to 20 ms for OpenArena's
 /// levels. Deterministic.
