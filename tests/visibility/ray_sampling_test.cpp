@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "matrix/random.h"
+#include "tests/visibility/open_boxes.h"
 #include "visibility/city.h"
 #include "visibility/ray_caster.h"
 
@@ -14,22 +15,6 @@ namespace vismat {
 namespace {
 
 using Ids = std::vector<std::uint32_t>;
-
-/// Object `scene.object_count`: the walls and roof of a box.
-void add_box(Scene& scene, const Box& box) {
-  const auto first = static_cast<std::uint32_t>(scene.vertices.size());
-  for (unsigned c = 0; c < 8; ++c) {
-    scene.vertices.emplace_back((c & 1 ? box.high : box.low)[0], (c & 2 ? box.high : box.low)[1],
-                                (c & 4 ? box.high : box.low)[2]);
-  }
-  for (const auto& [a, b, c, d] :
-       {std::array{0u, 1u, 5u, 4u}, std::array{1u, 3u, 7u, 5u}, std::array{3u, 2u, 6u, 7u},
-        std::array{2u, 0u, 4u, 6u}, std::array{4u, 5u, 7u, 6u}}) {
-    for (const std::uint32_t corner : {a, b, c, a, c, d}) scene.indices.push_back(first + corner);
-    scene.object_of_triangle.insert(scene.object_of_triangle.end(), 2, scene.object_count);
-  }
-  ++scene.object_count;
-}
 
 /// A small cell about (x, y).
 void add_cell(ViewCells& cells, float x, float y) {
@@ -42,9 +27,9 @@ Ids row(const VisibilityMatrix& matrix, std::uint32_t r) {
 
 TEST(RaySampling, WallHidesWhatIsBehindIt) {
   Scene scene;
-  add_box(scene, {{-100, 10, 0}, {100, 11, 10}});  // 0: the wall
-  add_box(scene, {{-5, -20, 0}, {5, -15, 5}});     // 1: in the open
-  add_box(scene, {{-5, 20, 0}, {5, 25, 5}});       // 2: behind the wall
+  add_open_box(scene, {{-100, 10, 0}, {100, 11, 10}});  // 0: the wall
+  add_open_box(scene, {{-5, -20, 0}, {5, -15, 5}});     // 1: in the open
+  add_open_box(scene, {{-5, 20, 0}, {5, 25, 5}});       // 2: behind the wall
   ViewCells cells;
   add_cell(cells, 0, 0);
   EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1}));
@@ -52,9 +37,9 @@ TEST(RaySampling, WallHidesWhatIsBehindIt) {
 
 TEST(RaySampling, TwoSidesOfAWall) {
   Scene scene;
-  add_box(scene, {{-1000, -1, 0}, {1000, 1, 10}});
-  add_box(scene, {{-5, -20, 0}, {5, -15, 5}});
-  add_box(scene, {{-5, 20, 0}, {5, 25, 5}});
+  add_open_box(scene, {{-1000, -1, 0}, {1000, 1, 10}});
+  add_open_box(scene, {{-5, -20, 0}, {5, -15, 5}});
+  add_open_box(scene, {{-5, 20, 0}, {5, 25, 5}});
   ViewCells cells;
   add_cell(cells, 0, -8);
   add_cell(cells, 0, 8);
@@ -66,12 +51,12 @@ TEST(RaySampling, TwoSidesOfAWall) {
 
 TEST(RaySampling, TowersRiseOverRoofs) {
   Scene scene;
-  add_box(scene, {{-100, 10, 0}, {100, 12, 4}});  // 0: a low wall
-  add_box(scene, {{-5, 30, 0}, {5, 40, 3}});      // 1: lower still
-  add_box(scene,
-          {{-5, 100, 0}, {5, 110, 40}});  // 2: a tower: eyes at 1.6 m and the wall leave 26 m hidden there
-  add_box(scene, {{-5, 200, 0}, {5, 210, 60}});   // 3: hidden by the tower's 38 m at twice the distance
-  add_box(scene, {{40, 200, 0}, {50, 210, 60}});  // 4: beside the tower
+  add_open_box(scene, {{-100, 10, 0}, {100, 12, 4}});  // 0: a low wall
+  add_open_box(scene, {{-5, 30, 0}, {5, 40, 3}});      // 1: lower still
+  add_open_box(
+      scene, {{-5, 100, 0}, {5, 110, 40}});  // 2: a tower: eyes at 1.6 m and the wall leave 26 m hidden there
+  add_open_box(scene, {{-5, 200, 0}, {5, 210, 60}});   // 3: hidden by the tower's 38 m at twice the distance
+  add_open_box(scene, {{40, 200, 0}, {50, 210, 60}});  // 4: beside the tower
   ViewCells cells;
   add_cell(cells, 0, 0);
   EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 2, 4}));
@@ -79,9 +64,9 @@ TEST(RaySampling, TowersRiseOverRoofs) {
 
 TEST(RaySampling, FindsWhatANarrowGapShows) {
   Scene scene;
-  add_box(scene, {{-100, 20, 0}, {-0.01f, 21, 50}});
-  add_box(scene, {{0.01f, 20, 0}, {100, 21, 50}});
-  add_box(scene, {{-10, 100, 0}, {10, 110, 20}});
+  add_open_box(scene, {{-100, 20, 0}, {-0.01f, 21, 50}});
+  add_open_box(scene, {{0.01f, 20, 0}, {100, 21, 50}});
+  add_open_box(scene, {{-10, 100, 0}, {10, 110, 20}});
   ViewCells cells;
   add_cell(cells, 0, 0);
   EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1, 2}));
@@ -129,8 +114,8 @@ TEST(RayCaster, PassesWhatIsSeeThrough) {
 
 TEST(RaySampling, EyesBetweenTwoHeightsSeeFromBoth) {
   Scene scene;
-  add_box(scene, {{-100, 10, 0}, {100, 11, 5}});
-  add_box(scene, {{-5, 20, 0}, {5, 25, 4}});
+  add_open_box(scene, {{-100, 10, 0}, {100, 11, 5}});
+  add_open_box(scene, {{-5, 20, 0}, {5, 25, 4}});
   ViewCells cells;
   add_cell(cells, 0, 0);
   EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0}));
@@ -223,7 +208,7 @@ TEST(RaySampling, NothingToSeeAndNobodyToSeeIt) {
   EXPECT_EQ(see_by_rays(scene, cells).objects.shape(), (Shape{0, 0}));
   add_cell(cells, 0, 0);
   EXPECT_EQ(see_by_rays(scene, cells).objects, VisibilityMatrix(Shape{1, 0}));
-  add_box(scene, {{10, 10, 0}, {20, 20, 5}});
+  add_open_box(scene, {{10, 10, 0}, {20, 20, 5}});
   scene.object_count = 2;  // the second without triangles
   EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), Ids{0});
   EXPECT_EQ(see_by_rays(scene, {}).objects.shape(), (Shape{0, 2}));
@@ -231,9 +216,9 @@ TEST(RaySampling, NothingToSeeAndNobodyToSeeIt) {
 
 TEST(RaySampling, OddCellsAndObjects) {
   Scene scene;
-  add_box(scene, {{-10, -10, 0}, {10, 10, 5}});
-  add_box(scene, {{30, 0, 0}, {30, 0, 0}});      // a point
-  add_box(scene, {{20, -5, 0}, {20, 5, 1e9f}});  // a sheet, very tall
+  add_open_box(scene, {{-10, -10, 0}, {10, 10, 5}});
+  add_open_box(scene, {{30, 0, 0}, {30, 0, 0}});      // a point
+  add_open_box(scene, {{20, -5, 0}, {20, 5, 1e9f}});  // a sheet, very tall
   ViewCells cells;
   add_cell(cells, 0, 0);                                     // within a box
   cells.corners.insert(cells.corners.end(), 3, {15, 0, 0});  // a point
@@ -257,7 +242,7 @@ TEST(RaySampling, RefusesToLookNowhere) {
 
 TEST(RaySampling, ProgressEndsAtAll) {
   Scene scene;
-  add_box(scene, {{10, 10, 0}, {20, 20, 5}});
+  add_open_box(scene, {{10, 10, 0}, {20, 20, 5}});
   ViewCells cells;
   add_cell(cells, 0, 0);
   std::uint64_t last = 0, of = 1, calls = 0;
