@@ -395,11 +395,27 @@ void write_boundaries(Hdf5File& file, const std::vector<Boundary>& boundaries) {
   file.write<std::uint32_t>("/vismat/boundaries", cells, {boundaries.size(), 2});
 }
 
+/// `width` finite numbers an entry of the matrix; empty where the file has none.
+std::vector<float> read_of_entries(const Hdf5File& file, const std::string& name, std::uint64_t ones,
+                                   std::uint64_t width) {
+  if (!file.contains(name)) return {};
+  const auto dimensions = file.dimensions(name);
+  if (dimensions != (width == 1 ? std::vector{ones} : std::vector{ones, width})) {
+    fail(name, "must have a line of " + std::to_string(width) + " for each of the " + std::to_string(ones) +
+                   " entries");
+  }
+  std::vector<float> numbers = file.read<float>(name);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i]))
+      fail(name, "entry " + std::to_string(i / width) + " is not a finite number");
+  }
+  return numbers;
+}
+
 std::optional<ObjectTree> read_tree(const Hdf5File& file, const std::string& group) {
   if (!file.contains(group)) return std::nullopt;
   const auto objects = file.number_attribute(group, "object_count");
-  if (!objects || *objects >= ObjectTree::none)
-    fail(group, "needs an attribute object_count below 2^32 - 1");
+  if (!objects || *objects >= ObjectTree::none) fail(group, "needs an attribute object_count below 2^32 - 1");
   try {
     return ObjectTree::from_parents(file.read<std::uint32_t>(group + "/parent"),
                                     file.read<std::uint32_t>(group + "/object"),
@@ -467,10 +483,14 @@ Dataset read_binsparse(const Hdf5File& file) {
   dataset.row_order = read_order(file, "/vismat/row_order", shape.rows);
   dataset.column_order = read_order(file, "/vismat/column_order", shape.columns);
   dataset.row_neighbours = read_neighbours(file, shape.rows);
+  const std::vector<float> lines = read_of_entries(file, "/vismat/sight_lines", dataset.matrix.ones(), 6);
+  dataset.sight_lines.resize(lines.size() / 6);
+  for (std::size_t i = 0; i < lines.size(); ++i) dataset.sight_lines[i / 6][i % 6] = lines[i];
+  dataset.degree_of_visibility =
+      read_of_entries(file, "/vismat/degree_of_visibility", dataset.matrix.ones(), 1);
   dataset.boundaries = read_boundaries(file, shape.rows);
   dataset.row_groups = read_groups(file, "/vismat/row_groups", shape.rows, "/vismat/row_order");
-  dataset.column_groups =
-      read_groups(file, "/vismat/column_groups", shape.columns, "/vismat/column_order");
+  dataset.column_groups = read_groups(file, "/vismat/column_groups", shape.columns, "/vismat/column_order");
   dataset.tree = read_tree(file, tree_group);
   dataset.row_tree = read_tree(file, row_tree_group);
   check_trees(dataset);
@@ -511,6 +531,15 @@ void write_binsparse(Hdf5File& file, const Dataset& dataset) {
     const VisibilityMatrix& neighbours = *dataset.row_neighbours;
     file.write(neighbours_group + "/pointers_to_1", neighbours.offsets(), {neighbours.offsets().size()});
     file.write(neighbours_group + "/indices_1", neighbours.ids(), {neighbours.ones()});
+  }
+  if (!dataset.sight_lines.empty()) {
+    assert(dataset.sight_lines.size() == matrix.ones());
+    file.write("/vismat/sight_lines",
+               std::span<const float>(dataset.sight_lines[0].data(), 6 * matrix.ones()), {matrix.ones(), 6});
+  }
+  if (!dataset.degree_of_visibility.empty()) {
+    assert(dataset.degree_of_visibility.size() == matrix.ones());
+    file.write<float>("/vismat/degree_of_visibility", dataset.degree_of_visibility, {matrix.ones()});
   }
   write_boundaries(file, dataset.boundaries);
   write_tree(file, tree_group, dataset.tree);

@@ -160,12 +160,20 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
   partial.commit();
 }
 
+namespace {
+void drop_entries(Dataset& dataset) {
+  dataset.sight_lines.clear();
+  dataset.degree_of_visibility.clear();
+}
+}  // namespace
+
 Dataset over_nodes(const Dataset& objects) {
   assert(objects.tree && !objects.columns_are_nodes);
   Dataset nodes = objects;
   nodes.matrix = nodes_from_objects(objects.matrix, *objects.tree);
   nodes.columns_are = "node";
   nodes.columns_are_nodes = true;
+  drop_entries(nodes);
   nodes.column_order.reset();
   nodes.column_groups.reset();
   nodes.column_bounds = node_bounds(*objects.tree, objects.column_bounds);
@@ -173,10 +181,12 @@ Dataset over_nodes(const Dataset& objects) {
 }
 
 Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& columns) {
+  if (!rows.is_identity() || !columns.is_identity()) drop_entries(dataset);
   dataset.matrix = permute(std::move(dataset.matrix), rows, columns);
   dataset.row_bounds = moved(dataset.row_bounds, rows);
   dataset.column_bounds = moved(dataset.column_bounds, columns);
-  if (dataset.row_neighbours) dataset.row_neighbours = permute(std::move(*dataset.row_neighbours), rows, rows);
+  if (dataset.row_neighbours)
+    dataset.row_neighbours = permute(std::move(*dataset.row_neighbours), rows, rows);
   if (!rows.is_identity()) dataset.boundaries.clear();
   if (dataset.tree && !columns.is_identity()) {
     dataset.tree =
@@ -200,15 +210,18 @@ Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& c
 Dataset in_source_order(Dataset dataset) {
   const auto [rows, columns] = dataset.matrix.shape();
   const Permutation row_back = dataset.row_order ? dataset.row_order->inverse() : Permutation::identity(rows),
-                    column_back = dataset.column_order ? dataset.column_order->inverse() : Permutation::identity(columns);
+                    column_back = dataset.column_order ? dataset.column_order->inverse()
+                                                       : Permutation::identity(columns);
   dataset = reordered(std::move(dataset), row_back, column_back);
   dataset.row_order.reset();
   dataset.column_order.reset();
   return dataset;
 }
 
-Dataset merged(Dataset dataset, const std::optional<Partition>& rows, const std::optional<Partition>& columns) {
+Dataset merged(Dataset dataset, const std::optional<Partition>& rows,
+               const std::optional<Partition>& columns) {
   assert(dataset.boundaries.empty());
+  if (rows || columns) drop_entries(dataset);
   if (rows) {
     dataset.matrix = merge_rows(dataset.matrix, *rows);
     dataset.row_bounds = merged_boxes(dataset.row_bounds, *rows);
@@ -235,6 +248,7 @@ Dataset merged(Dataset dataset, const std::optional<Partition>& rows, const std:
 }
 
 Dataset in_source_numbers(Dataset dataset) {
+  if (dataset.row_groups || dataset.column_groups) drop_entries(dataset);
   if (dataset.row_groups) {
     dataset.matrix = expand_rows(dataset.matrix, *dataset.row_groups);
     dataset.row_groups.reset();

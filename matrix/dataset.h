@@ -40,6 +40,11 @@ struct Dataset {
   // Each is empty where it is not known.
   std::vector<Box> row_bounds, column_bounds;      // one a row, one a column
   std::optional<VisibilityMatrix> row_neighbours;  // rows x rows: which view cells touch
+  /// One for each entry of the matrix, row by row. A sight line proves it: from a point of the view cell to a point of the object (x, y, z
+  /// each). Degree of visibility: the part of all directions that the object takes, in [0, 1]. Both are left out where rows or
+  /// columns change.
+  std::vector<std::array<float, 6>> sight_lines;
+  std::vector<float> degree_of_visibility;
   /// Between which view cells the rows are differences, as in Deltas: rows == 2 * boundaries.size().
   std::vector<Boundary> boundaries;
   /// A hierarchy over the columns: its leafs name them (object_count() == columns). Where columns_are_nodes, each
@@ -78,7 +83,8 @@ Dataset in_source_order(Dataset dataset);
 /// Rows and columns merged into the groups' unions, with boxes around the members' and what else goes by them; an absent
 /// partition leaves its side as it is. What was exact becomes conservative, what was aggressive unknown. A tree over merged
 /// rows, or whose nodes are merged columns, is left out; objects in a tree follow. Needs a dataset without boundaries.
-Dataset merged(Dataset dataset, const std::optional<Partition>& rows, const std::optional<Partition>& columns);
+Dataset merged(Dataset dataset, const std::optional<Partition>& rows,
+               const std::optional<Partition>& columns);
 /// The matrix in the source's numbers: each of its rows and columns as its group. Geometry and trees of a merged side are left
 /// out.
 Dataset in_source_numbers(Dataset dataset);

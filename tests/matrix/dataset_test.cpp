@@ -31,6 +31,8 @@ Dataset full_dataset() {
   dataset.row_bounds = {{{0, 0, 0}, {1, 1, 1}}, {{1, 0, 0}, {2, 1, 1}}, {{-3.5f, 0, 0}, {0, 1, 1e9f}}};
   dataset.column_bounds = {{{0, 0, 0}, {1, 2, 3}}, {{5, 5, 5}, {6, 6, 6}}, {{9, 9, 9}, {9, 9, 9}}};
   dataset.row_neighbours = VisibilityMatrix::from_rows({{1}, {0, 2}, {1}}, 3);
+  dataset.sight_lines = {{0, 0, 0, 1, 2, 3}, {1, 1, 1, 9, 9, 9}, {-1, 0, 0, 5, 6, 5}, {0, 0, 0, 9, 9, 9}};
+  dataset.degree_of_visibility = {0.5f, 0.001f, 0, 1};
   dataset.tree = ObjectTree::from_parents({none, 0, 0, 2, 2}, {none, 0, none, 1, 2}, 3);
   dataset.row_tree = ObjectTree::from_parents({none, 0, 0, 2, 2}, {none, 2, none, 0, 1}, 3);
   return dataset;
@@ -79,12 +81,15 @@ TEST(Dataset, ReorderedMovesAllThatGoesByRowsAndColumns) {
   EXPECT_EQ(after.row_tree->object_of_node()[1], 1u);
   EXPECT_EQ(after.row_order, rows);
 
-  // Back again: nothing but the record of having moved is left.
+  // Back again: nothing but the record of having moved is left, and what goes by entries is gone.
   Dataset again = reordered(after, rows.inverse(), columns.inverse());
   EXPECT_TRUE(again.row_order->is_identity());
   EXPECT_TRUE(again.column_order->is_identity());
   again.row_order.reset();
   again.column_order.reset();
+  EXPECT_TRUE(again.sight_lines.empty());
+  again.sight_lines = before.sight_lines;
+  again.degree_of_visibility = before.degree_of_visibility;
   EXPECT_EQ(again, before);
 }
 
@@ -130,7 +135,8 @@ TEST(Dataset, MergedUnitesAllThatGoesByRowsAndColumns) {
 TEST(Dataset, GroupsLeadFromTheSourcesNumbers) {
   const Dataset source = full_dataset();
   const auto turn = Permutation::from_new_of_old({2, 0, 1}), swap = Permutation::from_new_of_old({1, 0});
-  const auto pair = Partition::from_group_of_member({0, 1, 1}), other = Partition::from_group_of_member({1, 0, 0});
+  const auto pair = Partition::from_group_of_member({0, 1, 1}),
+             other = Partition::from_group_of_member({1, 0, 0});
   Dataset lossy = reordered(merged(reordered(source, turn, turn), pair, other), swap, swap);
   EXPECT_FALSE(lossy.row_order || lossy.column_order);
   const VisibilityMatrix back = in_source_numbers(lossy).matrix;
@@ -146,8 +152,8 @@ TEST(Dataset, KeepsEverythingInBinsparse) {
                                 Permutation::from_new_of_old({1, 0, 2}));
   const auto groups = merged(full_dataset(), Partition::from_group_of_member({0, 1, 0}),
                              Partition::from_group_of_member({1, 0, 0}));
-  for (const Dataset& dataset : {Dataset{}, full_dataset(), over_nodes(full_dataset()), large_dataset(), turned,
-                                 groups, differences()}) {
+  for (const Dataset& dataset : {Dataset{}, full_dataset(), over_nodes(full_dataset()), large_dataset(),
+                                 turned, groups, differences()}) {
     write_dataset(folder / "a.bsp.h5", dataset);
     EXPECT_EQ(read_dataset(folder / "a.bsp.h5"), dataset);
   }
@@ -162,6 +168,8 @@ TEST(Dataset, KeepsMatrixAndFactsInMatrixMarket) {
   expected.row_neighbours = std::nullopt;
   expected.tree = std::nullopt;
   expected.row_tree = std::nullopt;
+  expected.sight_lines = {};
+  expected.degree_of_visibility = {};
   EXPECT_EQ(read_dataset(folder / "a.mtx"), expected);
 }
 
