@@ -123,11 +123,15 @@ bool crosses(const glm::dvec3& from, const glm::dvec3& to, const Convex& convex)
 
 std::size_t first_crossed(const WeightedMean& from, const WeightedMean& to,
                           std::span<const Triangle> triangles) {
+  const auto first = [&](const auto& crossed) {
+    return static_cast<std::size_t>(std::find_if(triangles.begin(), triangles.end(), crossed) -
+                                    triangles.begin());
+  };
+  if (from.points.size() == 1 && to.points.size() == 1) {
+    return first([&](const Triangle& t) { return crosses(from.points[0], to.points[0], t); });
+  }
   const Exact a = exact(from), b = exact(to);
-  return static_cast<std::size_t>(
-      std::find_if(triangles.begin(), triangles.end(),
-                   [&](const Triangle& t) { return crosses_triangle(a, b, exact(t)); }) -
-      triangles.begin());
+  return first([&](const Triangle& t) { return crosses_triangle(a, b, exact(t)); });
 }
 
 bool hides(const Convex& convex, std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {

@@ -1,0 +1,59 @@
+// Is it so? Checks of what the producers name as proof, in rational arithmetic.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "matrix/random.h"
+#include "visibility/exact/predicates.h"
+#include "visibility/occluders.h"
+#include "visibility/scene.h"
+#include "visibility/shadow.h"
+#include "visibility/sight.h"
+
+namespace vismat {
+
+/// Why a proof does not hold; none if it does.
+using Doubt = std::optional<std::string>;
+
+/// Shared by threads. Answers depend on the scene and the arguments alone. Each looks through the boxes of all objects and the
+/// triangles of those near the segment.
+class WitnessCheck {
+ public:
+  explicit WitnessCheck(const Scene& scene);  // keeps it
+
+  /// Whether the cell sees the object along the line. Both ends may be off by the rounding of floats: eight units in the last
+  /// place of the largest coordinate, which allows `from` to lie that far outside of the cell. `to` is moved to the nearest
+  /// rational point of the object's triangles, and no opaque triangle of another object may be crossed on the way (the ends
+  /// left out, borders included). If one is, points up to 1/256 of a triangle away are tried: a line that passes an edge
+  /// closer than rounding proves as much from there; `aimed_again` counts these. A line without length says that the two
+  /// touch, and that is what is checked then.
+  Doubt seen(const Convex& cell, std::uint32_t object, const SightLine& line,
+             std::uint64_t* aimed_again = nullptr) const;
+
+  /// Whether the witness proves the object hidden from the cell. On `samples` points of the object, half of them vertices that lie farthest out:
+  /// for each part with the point beyond its plane, one of the part's occluders hides it from all of the patch (exact for the
+  /// point as doubles: the patch's corners are enough), and the sight lines from the corners and from a random point of the
+  /// patch cross triangles of the occluder's object (exact). And from random points of the cell's faces that have the
+  /// sample in front: some part's patch contains them, to 1e-9 of the coordinates. Samples prove nothing of the points
+  /// between them. An object without triangles is hidden.
+  Doubt hidden(const Convex& cell, std::uint32_t object, const HiddenWitness& witness,
+               std::span<const Occluder> occluders, std::uint32_t samples, Random random) const;
+
+ private:
+  Triangle corners(std::uint32_t triangle) const;
+  std::span<const std::uint32_t> triangles(std::uint32_t object) const;
+  glm::dvec3 farthest_vertex(std::uint32_t object, const glm::dvec3& direction) const;
+  bool crosses_one_of(std::uint32_t object, const WeightedMean& from, const WeightedMean& to) const;
+  std::optional<std::uint32_t> in_between(std::uint32_t object, const WeightedMean& from,
+                                          const WeightedMean& to) const;
+
+  const Scene& scene_;
+  std::vector<Box> bounds_;
+  std::vector<std::uint64_t> first_triangle_;  // of each object, and the end
+  std::vector<std::uint32_t> triangles_;
+};
+
+}  // namespace vismat
