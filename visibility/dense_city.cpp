@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <glm/vec2.hpp>
+#include <span>
 #include <stdexcept>
 
 #include "matrix/random.h"
@@ -20,7 +22,8 @@ namespace vismat {
 namespace {
 
 constexpr float pavement = 1;
-constexpr float storey = 3, slab = 0.3f, wall = 0.3f;
+constexpr float storey = 3, slab = 0.3f, wall = 0.3f, door = 1.2f, sill = 0.9f, lintel = 2.1f;
+const glm::vec3 up(0, 0, 1);
 
 void check(const DenseCityOptions& o) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("dense city: " + what); };
@@ -176,6 +179,107 @@ void add_car(Square& s, float x, float y, bool along_y) {
   s.finish_object({{x - dx, y - dy, 0}, {x + dx, y + dy, height}});
 }
 
+/// A slab on four legs.
+void add_table(Square& s, const glm::vec3& low, const glm::vec3& size, float leg, float top) {
+  std::array<std::vector<float>, 3> cuts;
+  for (int axis = 0; axis < 2; ++axis) {
+    cuts[axis] = {low[axis], low[axis] + leg, low[axis] + size[axis] - leg, low[axis] + size[axis]};
+  }
+  cuts[2] = {low.z, low.z + size.z - top, low.z + size.z};
+  Lattice table(cuts, s.o.step);
+  const Box bounds = {{cuts[0][0], cuts[1][0], cuts[2][0]}, {cuts[0][3], cuts[1][3], cuts[2][2]}};
+  table.set(bounds, true);
+  table.set({{cuts[0][1], cuts[1][0], cuts[2][0]}, {cuts[0][2], cuts[1][3], cuts[2][1]}}, false);
+  table.set({{cuts[0][0], cuts[1][1], cuts[2][0]}, {cuts[0][3], cuts[1][2], cuts[2][1]}}, false);
+  table.add_to(s.city.scene);
+  s.finish_object(bounds);
+}
+
+/// A table in the middle, something on it, a cupboard in the corner.
+void add_furniture(Square& s, const glm::vec3& corner, const glm::vec2& middle) {
+  constexpr float high = 0.75f;
+  add_table(s, {middle.x - 0.6f, middle.y - 0.4f, corner.z}, {1.2f, 0.8f, high}, 0.06f, 0.05f);
+  if (s.chance(0.5f)) {
+    const std::array<Turn, 6> vase = {
+        {{0, 0.06f}, {0.05f, 0.11f}, {0.15f, 0.12f}, {0.22f, 0.06f}, {0.27f, 0.05f}, {0.3f, 0.08f}}};
+    add_turned(s.city.scene, {middle, corner.z + high}, up, 0, vase, 0.3f, 16);
+    s.finish_object({{middle.x, middle.y, corner.z}, {middle.x, middle.y, corner.z}});
+  }
+  const Box cupboard = {
+      {corner.x + 0.05f, corner.y + 0.05f, corner.z},
+      {corner.x + s.random.between(0.5f, 1.f), corner.y + 0.5f, corner.z + s.random.between(1.f, 2.f)}};
+  add_box(s.city.scene, cupboard, 0.5f);
+  s.finish_object(cupboard);
+}
+
+/// Four rooms a storey, four storeys at most; a window in each outer wall of a room, doors between rooms and to the street.
+void add_house(Square& s, Box b) {
+  const auto storeys = std::clamp(static_cast<unsigned>(b.high[2] / storey), 1u, 4u);
+  b.high[2] = static_cast<float>(storeys) * storey;
+  std::array<std::array<Box, 2>, 2> rooms{};  // [y][x]; heights are those of a storey
+  std::array<std::vector<float>, 3> cuts = {{{b.low[0], b.high[0]}, {b.low[1], b.high[1]}, {b.high[2]}}};
+  std::array<std::array<float, 2>, 2> opening{};  // [axis][room]: middles of doors and windows
+  std::array<float, 2> partition{};
+  for (unsigned axis = 0; axis < 2; ++axis) {
+    partition[axis] = (b.low[axis] + b.high[axis] - wall) / 2;
+    const std::array<float, 4> sides = {b.low[axis] + wall, partition[axis], partition[axis] + wall,
+                                        b.high[axis] - wall};
+    cuts[axis].insert(cuts[axis].end(), sides.begin(), sides.end());
+    for (unsigned room = 0; room < 2; ++room) {
+      opening[axis][room] = (sides[2 * room] + sides[2 * room + 1]) / 2;
+      cuts[axis].insert(cuts[axis].end(), {opening[axis][room] - door / 2, opening[axis][room] + door / 2});
+      for (unsigned other = 0; other < 2; ++other) {
+        Box& r = axis == 0 ? rooms[other][room] : rooms[room][other];
+        r.low[axis] = sides[2 * room];
+        r.high[axis] = sides[2 * room + 1];
+      }
+    }
+  }
+  for (unsigned k = 0; k < storeys; ++k) {
+    const float floor = static_cast<float>(k) * storey;
+    cuts[2].insert(cuts[2].end(), {floor, floor + sill, floor + lintel, floor + storey - slab});
+  }
+  Lattice house(cuts, s.o.step);
+  house.set(b, true);
+  for (unsigned k = 0; k < storeys; ++k) {
+    const float floor = static_cast<float>(k) * storey;
+    for (const auto& row : rooms) {
+      for (Box room : row) {
+        room.low[2] = floor;
+        room.high[2] = floor + storey - slab;
+        house.set(room, false);
+      }
+    }
+    for (unsigned axis = 0; axis < 2; ++axis) {
+      for (unsigned room = 0; room < 2; ++room) {
+        const auto open = [&](float from, float to, float bottom) {
+          Box hole;
+          hole.low[axis] = from;
+          hole.high[axis] = to;
+          hole.low[1 - axis] = opening[1 - axis][room] - door / 2;
+          hole.high[1 - axis] = opening[1 - axis][room] + door / 2;
+          hole.low[2] = floor + bottom;
+          hole.high[2] = floor + lintel;
+          house.set(hole, false);
+        };
+        open(partition[axis], partition[axis] + wall, 0);
+        open(b.low[axis], b.low[axis] + wall, k == 0 && room == 0 ? 0 : sill);
+        open(b.high[axis] - wall, b.high[axis], sill);
+      }
+    }
+  }
+  house.add_to(s.city.scene);
+  s.finish_object(b);
+  for (unsigned k = 0; k < storeys; ++k) {
+    for (const auto& row : rooms) {
+      for (const Box& room : row) {
+        add_furniture(s, {room.low[0], room.low[1], static_cast<float>(k) * storey},
+                      {(room.low[0] + room.high[0]) / 2, (room.low[1] + room.high[1]) / 2});
+      }
+    }
+  }
+}
+
 void add_car_park(Square& s) {
   const std::uint32_t cars = 4 + s.random.below(5);
   const bool along_y = s.chance(0.5f);
@@ -185,6 +289,55 @@ void add_car_park(Square& s) {
     const float across =
         from + room * (static_cast<float>(car / 2) + 0.5f) / 4 + s.random.between(-0.1f, 0.1f);
     add_car(s, s.x + (along_y ? across : along), s.y + (along_y ? along : across), along_y);
+  }
+}
+
+/// Lamps, trees, bins and benches on the two pavements along the streets.
+void add_street_furniture(Square& s) {
+  const std::uint32_t slots = 4;
+  for (std::uint32_t i = 0; i < 2 * slots; ++i) {
+    const float along = s.o.street + 2 + (s.o.pitch - s.o.street - 3) * static_cast<float>(i / 2) / slots;
+    const float across = s.o.street + pavement / 2;
+    const bool along_y = i % 2 == 1;
+    const glm::vec3 base(s.x + (along_y ? across : along), s.y + (along_y ? along : across), 0);
+    const auto turned = [&](std::span<const Turn> profile, unsigned sides) {
+      add_turned(s.city.scene, base, up, profile.front().along, profile, profile.back().along, sides);
+      float radius = 0;
+      for (const Turn& turn : profile) radius = std::max(radius, turn.radius);
+      s.finish_object(
+          {{base.x - radius, base.y - radius, 0}, {base.x + radius, base.y + radius, profile.back().along}});
+    };
+    switch (s.random.below(10)) {
+      case 0:  // a lamp
+        turned(std::array<Turn, 7>{{{0, 0.1f},
+                                    {0.2f, 0.1f},
+                                    {0.3f, 0.05f},
+                                    {4.2f, 0.05f},
+                                    {4.3f, 0.2f},
+                                    {4.6f, 0.25f},
+                                    {4.7f, 0.1f}}},
+               10);
+        break;
+      case 1: {  // a slender tree
+        const float high = s.random.between(4.f, 7.f);
+        std::vector<Turn> tree = {{0, 0.12f}, {1, 0.1f}, {1.2f, 0.2f}};
+        for (int k = 1; k <= 10; ++k) {
+          const float t = static_cast<float>(k) / 10;
+          tree.push_back(
+              {1.2f + (high - 1.2f) * t, 0.45f * std::sin(2.9f * std::sqrt(t)) + 0.02f + 0.1f * (1 - t)});
+        }
+        turned(tree, 14);
+        break;
+      }
+      case 2:  // a bin
+        turned(std::array<Turn, 4>{{{0, 0.2f}, {0.8f, 0.25f}, {0.9f, 0.25f}, {0.95f, 0.15f}}}, 12);
+        break;
+      case 3:  // a bench
+        add_table(s, {base.x - 0.25f, base.y - 0.25f, 0}, {0.5f, 0.5f, 0.45f}, 0.06f, 0.06f);
+        break;
+      default:
+        break;
+    }
   }
 }
 
@@ -199,23 +352,12 @@ void fill_square(Square& s) {
     b.high[axis] = b.low[axis] + side;
   }
   b.high[2] = s.random.between(s.o.lowest, s.o.highest);
-  add_building(s, b);
-}
-
-void add_ground(Scene& scene, float side, float step) {
-  const auto squares = std::max(1u, static_cast<std::uint32_t>(std::ceil(side / step)));
-  const auto at = [&](std::uint32_t i) { return side * static_cast<float>(i) / static_cast<float>(squares); };
-  for (std::uint32_t y = 0; y <= squares; ++y) {
-    for (std::uint32_t x = 0; x <= squares; ++x) scene.vertices.emplace_back(at(x), at(y), 0);
+  if (s.chance(s.o.interiors)) {
+    add_house(s, b);
+  } else {
+    add_building(s, b);
   }
-  for (std::uint32_t y = 0; y < squares; ++y) {
-    for (std::uint32_t x = 0; x < squares; ++x) {
-      const std::uint32_t a = y * (squares + 1) + x, b = a + squares + 1;
-      scene.indices.insert(scene.indices.end(), {a, a + 1, b + 1, a, b + 1, b});
-      scene.object_of_triangle.insert(scene.object_of_triangle.end(), 2, scene.object_count);
-    }
-  }
-  ++scene.object_count;
+  add_street_furniture(s);
 }
 
 /// The grid's boxes that meet no obstacle; touching is not meeting.
@@ -251,6 +393,7 @@ SceneFile make_dense_city(const DenseCityOptions& o) {
   SceneFile city;
   const float side = static_cast<float>(o.size) * o.pitch + o.street;
   add_ground(city.scene, side, 10);
+  ++city.scene.object_count;
   std::vector<Box> obstacles;
   for (std::uint32_t y = 0; y < o.size; ++y) {
     for (std::uint32_t x = 0; x < o.size; ++x) {

@@ -7,17 +7,17 @@
 
 namespace vismat {
 
-/// Metres. The defaults give about a million triangles in objects that are buildings and cars.
+/// Metres. The defaults give about a million triangles in about two thousand objects.
 struct DenseCityOptions {
   std::uint32_t size = 20;                     // squares a side, 1 to 256
   float pitch = 20;                            // side of a square
   float street = 4;                            // strip along two sides of each square that stays free
   float smallest_side = 9, largest_side = 14;  // of a building on the ground, each direction on its own
   float lowest = 6, highest = 30;              // heights
-  float step = 1.2f;                           // no wall's triangle has a longer leg
-  float interiors = 0.08f;                     // share of the buildings with rooms and doors (to come)
+  float step = 1.4f;                           // no wall's triangle has a longer leg
+  float interiors = 0.08f;                     // share of the buildings with rooms, doors and furniture
   float car_parks = 0.05f;       // share of the squares with four to eight cars instead of a building
-  std::uint32_t car_sides = 32;  // points round a car's body, which has about 2 car_sides^2 triangles
+  std::uint32_t car_sides = 24;  // points round a car's body, which has about 2 car_sides^2 triangles
   float cell = 4;                // side of a view cell
   float eye_low = 1, eye_high = 2.5f;
   std::uint64_t seed = 1;

@@ -137,16 +137,44 @@ void add_loft(Scene& scene, const glm::vec3& first_tip, std::span<const std::vec
   }
 }
 
+void add_turned(Scene& scene, const glm::vec3& base, const glm::vec3& axis, float first_tip,
+                std::span<const Turn> profile, float last_tip, unsigned sides) {
+  std::vector<std::vector<glm::vec3>> rings;
+  for (const Turn& turn : profile)
+    rings.push_back(circle(base + turn.along * axis, axis, turn.radius, sides));
+  add_loft(scene, base + first_tip * axis, rings, base + last_tip * axis);
+}
+
 std::vector<glm::vec3> circle(const glm::vec3& middle, const glm::vec3& axis, float radius, unsigned sides) {
   const glm::dvec3 along(axis);
   const glm::dvec3 aside = std::abs(along.z) < 0.5 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
-  const glm::dvec3 u = glm::normalize(glm::cross(aside, along)), v = glm::cross(u, along);
+  return circle(middle, axis, glm::normalize(glm::cross(aside, along)), radius, sides);
+}
+
+std::vector<glm::vec3> circle(const glm::vec3& middle, const glm::vec3& axis, const glm::vec3& start,
+                              float radius, unsigned sides) {
+  const glm::dvec3 u(start), v = glm::cross(u, glm::dvec3(axis));
   std::vector<glm::vec3> points;
   for (unsigned i = 0; i < sides; ++i) {
     const double angle = 6.283185307179586 * i / sides;
     points.emplace_back(glm::dvec3(middle) + double{radius} * (std::cos(angle) * u + std::sin(angle) * v));
   }
   return points;
+}
+
+void add_ground(Scene& scene, float side, float step) {
+  const auto squares = std::max(1u, static_cast<std::uint32_t>(std::ceil(side / step)));
+  const auto at = [&](std::uint32_t i) { return side * static_cast<float>(i) / static_cast<float>(squares); };
+  for (std::uint32_t y = 0; y <= squares; ++y) {
+    for (std::uint32_t x = 0; x <= squares; ++x) scene.vertices.emplace_back(at(x), at(y), 0);
+  }
+  for (std::uint32_t y = 0; y < squares; ++y) {
+    for (std::uint32_t x = 0; x < squares; ++x) {
+      const std::uint32_t a = y * (squares + 1) + x, b = a + squares + 1;
+      scene.indices.insert(scene.indices.end(), {a, a + 1, b + 1, a, b + 1, b});
+      scene.object_of_triangle.insert(scene.object_of_triangle.end(), 2, scene.object_count);
+    }
+  }
 }
 
 }  // namespace vismat

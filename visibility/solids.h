@@ -44,7 +44,21 @@ void add_box(Scene& scene, const Box& box, float step);
 /// the points run counter-clockwise.
 void add_loft(Scene& scene, const glm::vec3& first_tip, std::span<const std::vector<glm::vec3>> rings,
               const glm::vec3& last_tip);
+/// A body of revolution about the axis (unit length) through `base`. The profile lists how far along it and how wide (more
+/// than 0), ascending; flat or pointed ends lie at its first and last tip.
+struct Turn {
+  float along, radius;
+};
+void add_turned(Scene& scene, const glm::vec3& base, const glm::vec3& axis, float first_tip,
+                std::span<const Turn> profile, float last_tip, unsigned sides);
 /// `sides` points round `middle`, counter-clockwise when one looks along `axis` (unit length).
 std::vector<glm::vec3> circle(const glm::vec3& middle, const glm::vec3& axis, float radius, unsigned sides);
+/// The first point in the direction `start`, at right angles to the axis.
+std::vector<glm::vec3> circle(const glm::vec3& middle, const glm::vec3& axis, const glm::vec3& start,
+                              float radius, unsigned sides);
+
+/// An open sheet, the one thing here that is not closed: z = 0 from (0, 0) to (side, side), facing up, in squares of `step` at
+/// most.
+void add_ground(Scene& scene, float side, float step);
 
 }  // namespace vismat

@@ -8,6 +8,7 @@
 
 #include "matrix/touching_boxes.h"
 #include "visibility/dense_city.h"
+#include "visibility/plant.h"
 #include "visibility/solids.h"
 
 namespace vismat {
@@ -51,6 +52,10 @@ void expect_closed(const Scene& scene, std::uint32_t first_object) {
 
 /// Does a triangle meet the open box? By clipping it against the six sides.
 bool enters(const std::array<glm::dvec3, 3>& triangle, const Box& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = std::minmax({triangle[0][axis], triangle[1][axis], triangle[2][axis]});
+    if (low >= box.high[axis] || high <= box.low[axis]) return false;
+  }
   std::vector<glm::dvec3> polygon(triangle.begin(), triangle.end());
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1., -1.}) {
@@ -155,6 +160,38 @@ TEST(DenseCity, WrongOptionsAreRefused) {
   options = {};
   options.step = std::nanf("");
   EXPECT_THROW(make_dense_city(options), std::invalid_argument);
+}
+
+PlantOptions small_plant(std::uint64_t seed) {
+  PlantOptions options;
+  options.size = 3;
+  options.seed = seed;
+  return options;
+}
+
+TEST(Plant, ComponentsAreClosedAndOutwardOriented) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const SceneFile plant = make_plant(small_plant(seed), 1);
+    EXPECT_GT(plant.scene.object_count, 1000u);
+    expect_closed(plant.scene, 1);
+  }
+}
+
+TEST(Plant, SameForAnyNumberOfThreads) {
+  const SceneFile one = make_plant(small_plant(1), 1), same = make_plant(small_plant(1), 3);
+  EXPECT_EQ(one.scene.vertices, same.scene.vertices);
+  EXPECT_EQ(one.scene.indices, same.scene.indices);
+  EXPECT_EQ(one.cells.boxes, same.cells.boxes);
+  EXPECT_GT(one.cells.count(), 100u);
+}
+
+TEST(Plant, WrongOptionsAreRefused) {
+  PlantOptions options;
+  options.bay = 5;
+  EXPECT_THROW(make_plant(options), std::invalid_argument);
+  options = {};
+  options.pipes = std::nanf("");
+  EXPECT_THROW(make_plant(options), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,0 +1,31 @@
+// A made-up chemical plant: pipes, tanks, vessels, beams, gratings and stairs by the ten thousand.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "visibility/scene_file.h"
+
+namespace vismat {
+
+/// Metres. The defaults give 30 thousand components of 2 million triangles.
+struct PlantOptions {
+  std::uint32_t size = 7;  // bays a side, 1 to 64; each has a tank, vessels, or a steel frame with floors
+  float bay = 16;          // side of a bay, at least 8; a multiple of 0.8 m is used, the next below
+  float height = 12;       // of the space that pipes run through, at least 4
+  float pipes = 0.25f;     // share of that space's nodes, 0.8 m apart, that pipes take at most
+  std::uint32_t pipe_sides = 8;  // points round a pipe
+  float cell = 4;                // side of a view cell
+  std::uint64_t seed = 1;
+};
+
+/// Objects are components: a straight piece of pipe, an elbow, a tank, a beam, a panel of grating, a flight of stairs.
+/// Each is closed and outward oriented and meets no other; object 0 alone, the ground, is a sheet. The view cells are cubes
+/// all over the plant's bounds where a viewer who flies in from outside or above can be, in Z-order, with their neighbours; a
+/// cell may have components in it. Same options, same plant, and on one kind of CPU the same cells. Throws
+/// std::invalid_argument for options out of range.
+SceneFile make_plant(const PlantOptions& options = {}, unsigned threads = 0);
+
+/// One line that names every parameter.
+std::string describe(const PlantOptions& options);
+
+}  // namespace vismat
