@@ -1,0 +1,29 @@
+// The flat faces of a mesh: triangles of one plane that hang together.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "visibility/mesh.h"
+
+namespace vismat {
+
+/// Its surface, seen along the normal, has no fold, and no edges but `outline`.
+struct CoplanarFace {
+  std::vector<std::uint32_t> triangles;
+  std::vector<std::array<std::uint32_t, 2>>
+      outline;           // directed: counter-clockwise round the face, clockwise round holes
+  glm::dvec3 normal{};   // unit length; zero for what has no area
+  double offset = 0;     // of the plane dot(normal, x) = offset, midway
+  double deviation = 0;  // no vertex lies farther from that plane
+  double area = 0;
+};
+
+/// Each triangle is in one face. A face grows from the largest triangle left over sides of which just two triangles are, as
+/// long as corners lie within `tolerance` of that triangle's plane; triangles that run along a side in the same direction
+/// are turned over. Deterministic. O(n log n).
+std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const Side> sides, double tolerance);
+
+}  // namespace vismat
