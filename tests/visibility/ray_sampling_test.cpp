@@ -74,10 +74,10 @@ TEST(RaySampling, FindsWhatANarrowGapShows) {
 
 TEST(RaySampling, GlassIsSeenAndSeenThrough) {
   Scene scene;
-  add_box(scene, {{-100, 10, 0}, {100, 11, 50}});  // 0: a pane
-  add_box(scene, {{-5, 20, 0}, {5, 25, 5}});       // 1: behind it
-  add_box(scene, {{-5, 40, 0}, {5, 45, 35}});      // 2: over that, before the sky
-  add_box(scene, {{-4, 30, 0}, {4, 31, 2}});       // 3: behind 1
+  add_open_box(scene, {{-100, 10, 0}, {100, 11, 50}});  // 0: a pane
+  add_open_box(scene, {{-5, 20, 0}, {5, 25, 5}});       // 1: behind it
+  add_open_box(scene, {{-5, 40, 0}, {5, 45, 35}});      // 2: over that, before the sky
+  add_open_box(scene, {{-4, 30, 0}, {4, 31, 2}});       // 3: behind 1
   scene.see_through = {1, 0, 1, 0};
   ViewCells cells;
   add_cell(cells, 0, 0);
@@ -86,7 +86,7 @@ TEST(RaySampling, GlassIsSeenAndSeenThrough) {
 
 TEST(RayCaster, PassesWhatIsSeeThrough) {
   Scene scene;
-  for (const float y : {0.f, 10.f, 20.f, 30.f, 40.f, 50.f}) add_box(scene, {{0, y, 0}, {9, y + 1, 9}});
+  for (const float y : {0.f, 10.f, 20.f, 30.f, 40.f, 50.f}) add_open_box(scene, {{0, y, 0}, {9, y + 1, 9}});
   scene.see_through = {1, 1, 0, 1, 0, 1};
   const RayCaster caster(scene);
   EXPECT_TRUE(caster.any_see_through());
