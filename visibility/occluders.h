@@ -24,11 +24,12 @@ struct Occluder {
   bool flat = false;         // a polygon; otherwise a solid
   /// A solid that does not fill the closed surface it lies in, which is what sight lines cross: nothing blocks those that
   /// begin inside. Null: it fills it, or is flat.
-  std::shared_ptr<const Enclosure> within;
+  std::shared_ptr<const Enclosure> within{};
   /// Above 0: the triangles are flat only up to rounding. Only sight lines are blocked that begin at least this far above the
   /// plane for each metre to the polygon's farthest corner.
   double grazing = 0;
-  bool one_sided = false;  // the polygon lies behind all of the triangles: only for cells on the side of faces[0]
+  bool one_sided =
+      false;  // the polygon lies behind all of the triangles: only for cells on the side of faces[0]
 };
 
 struct OccluderOptions {

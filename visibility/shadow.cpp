@@ -181,7 +181,7 @@ struct Shadows::View::Work {
   void draw(ShadowBuffer& buffer, const Convex& cell, std::uint32_t object) {
     for (std::uint32_t i = data.first_occluder[object]; i < data.first_occluder[object + 1]; ++i) {
       const Occluder& occluder = data.occluders[i];
-      if (!apart(cell, occluder.shape, data.gap, occluder.flat)) continue;
+      if (!apart(cell, occluder.shape, data.gap, occluder.flat) || !blocks_from(occluder, cell)) continue;
       planes.clear();
       supporting_planes(cell, occluder.shape, occluder.flat, planes);
       buffer.draw(occluder.shape, planes, i);
