@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   add_city(app);
   add_dense_city(app);
   add_plant(app);
+  add_cells(app);
   add_generate(app);
   add_see(app);
   add_tree(app);

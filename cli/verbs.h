@@ -8,6 +8,7 @@ void add_import(CLI::App& app);
 void add_city(CLI::App& app);
 void add_dense_city(CLI::App& app);
 void add_plant(CLI::App& app);
+void add_cells(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_see(CLI::App& app);
 void add_tree(CLI::App& app);

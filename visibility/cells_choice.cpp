@@ -11,7 +11,8 @@
 namespace vismat {
 namespace {
 
-constexpr const char* ways = "file, grid:SIZE, grid:X,Y,Z, octree:TRIANGLES or octree:TRIANGLES:LEVELS";
+constexpr const char* ways =
+    "file, grid:SIZE, grid:X,Y,Z, ground, ground:HEIGHT, octree:TRIANGLES or octree:TRIANGLES:LEVELS";
 
 [[noreturn]] void refuse(const std::string& option, const std::string& word, const std::string& right) {
   throw std::invalid_argument(option + " '" + word + "': need " + right);
@@ -115,6 +116,18 @@ CellsChoice parse_cells(const CellsWords& words) {
     grid.viewers = viewers;
     return grid;
   }
+  if (parts[0] == "ground" && parts.size() <= 2) {
+    GroundCellsOptions ground;
+    if (parts.size() == 2) {
+      const std::vector<float> v = numbers(parts[1]);
+      if (v.size() != 1) refuse("--cells", words.cells, "the height of level ground: ground:HEIGHT");
+      ground.height = v[0];
+    }
+    ground.region = region;
+    ground.viewers.from = viewers.from;
+    if (viewers.eyes) ground.viewers.eyes = viewers.eyes;
+    return ground;
+  }
   if (parts[0] == "octree" && (parts.size() == 2 || parts.size() == 3)) {
     OctreeCellsOptions octree;
     const auto threshold = number<std::uint64_t>(parts[1]);
@@ -135,6 +148,12 @@ std::string describe(const CellsChoice& choice) {
     return "grid cells: " + joined({grid->size.x, grid->size.y, grid->size.z}) + " m" +
            describe_place(grid->region, grid->viewers);
   }
+  if (const auto* ground = std::get_if<GroundCellsOptions>(&choice)) {
+    return "ground cells" + (ground->height ? ": height " + joined({*ground->height}) + " m" : "") +
+           ", at most " + joined({ground->steepest}) + " degrees, steps " + joined({ground->step}) +
+           " m, radius " + joined({ground->radius}) + " m, pieces from " + joined({ground->smallest}) +
+           " m2" + describe_place(ground->region, ground->viewers);
+  }
   if (const auto* octree = std::get_if<OctreeCellsOptions>(&choice)) {
     return "octree cells: at most " + std::to_string(octree->threshold) + " visible triangles, " +
            std::to_string(octree->levels) + " levels" + describe_place(octree->region, octree->viewers);
@@ -145,6 +164,8 @@ std::string describe(const CellsChoice& choice) {
 ChosenCells choose_cells(const Scene& scene, const ViewCells& of_file, const CellsChoice& choice,
                          const VisibleTriangles& count) {
   if (const auto* grid = std::get_if<GridCellsOptions>(&choice)) return {make_grid_cells(scene, *grid), ""};
+  if (const auto* ground = std::get_if<GroundCellsOptions>(&choice))
+    return {make_ground_cells(scene, *ground), ""};
   if (const auto* octree = std::get_if<OctreeCellsOptions>(&choice)) {
     OctreeCells made = make_octree_cells(scene, count, *octree);
     std::string table = table_of(made);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "visibility/grid_cells.h"
+#include "visibility/ground_cells.h"
 #include "visibility/octree_cells.h"
 #include "visibility/view_cells.h"
 
@@ -13,15 +14,15 @@ namespace vismat {
 
 /// The words of a command line, as they stand there.
 struct CellsWords {
-  /// file | grid:SIZE | grid:X,Y,Z | octree:TRIANGLES | octree:TRIANGLES:LEVELS
+  /// file | grid:SIZE | grid:X,Y,Z | ground | ground:HEIGHT | octree:TRIANGLES | octree:TRIANGLES:LEVELS
   std::string cells = "file";
   std::string region;             // "x,y,z,x,y,z": the low corner and the high one; empty: the scene's bounds
   std::vector<std::string> from;  // "x,y,z" each
-  std::string eyes;               // "low,high" or one height; empty: viewers fly
+  std::string eyes;  // "low,high" or one height; empty: 1.6 m on the ground, elsewhere viewers fly
 };
 
 /// What they mean; std::monostate: the cells that the scene file has.
-using CellsChoice = std::variant<std::monostate, GridCellsOptions, OctreeCellsOptions>;
+using CellsChoice = std::variant<std::monostate, GridCellsOptions, GroundCellsOptions, OctreeCellsOptions>;
 
 /// Throws std::invalid_argument, which says what was expected, for words that mean nothing.
 CellsChoice parse_cells(const CellsWords& words);

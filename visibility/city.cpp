@@ -5,20 +5,18 @@
 // alike together, then by position.
 #include "visibility/city.h"
 
-#include <geos_c.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdio>
-#include <map>
-#include <memory>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
 
 #include "matrix/random.h"
+#include "visibility/ground_triangles.h"
+#include "visibility/z_order.h"
 
 namespace vismat {
 namespace {
@@ -42,15 +40,6 @@ void check(const CityOptions& o) {
     refuse("a largest side and a narrowest street do not fit into the pitch");
   }
   if (!(o.jitter >= 0 && o.jitter <= 1)) refuse("jitter must lie between 0 and 1");
-}
-
-/// Bits of x and y interleaved, x lowest.
-std::uint64_t z_order(std::uint32_t x, std::uint32_t y) {
-  std::uint64_t key = 0;
-  for (unsigned bit = 0; bit < 32; ++bit) {
-    key |= std::uint64_t{x >> bit & 1} << (2 * bit) | std::uint64_t{y >> bit & 1} << (2 * bit + 1);
-  }
-  return key;
 }
 
 std::vector<Box> place_boxes(const CityOptions& o) {
@@ -90,70 +79,12 @@ void add_box(Scene& scene, const Box& box) {
   ++scene.object_count;
 }
 
-/// GEOS by its C interface, the one that stays stable between versions; frees what it hands out.
-class Geos {
- public:
-  struct Delete {
-    GEOSContextHandle_t context;
-    void operator()(GEOSGeometry* geometry) const { GEOSGeom_destroy_r(context, geometry); }
-  };
-  using Geometry = std::unique_ptr<GEOSGeometry, Delete>;
-
-  Geos() : context_(GEOS_init_r()) {
-    GEOSContext_setErrorMessageHandler_r(
-        context_, [](const char* message, void* self) { static_cast<Geos*>(self)->error_ = message; }, this);
-  }
-  ~Geos() { GEOS_finish_r(context_); }
-  Geos(const Geos&) = delete;
-  Geos& operator=(const Geos&) = delete;
-
-  Geometry own(GEOSGeometry* geometry) const {
-    if (geometry == nullptr) throw std::runtime_error("city: GEOS: " + error_);
-    return {geometry, Delete{context_}};
-  }
-  GEOSGeometry* ring(const Box& box) const {
-    GEOSCoordSequence* points = GEOSCoordSeq_create_r(context_, 5, 2);
-    const auto &low = box.low, &high = box.high;
-    const float corners[5][2] = {
-        {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}, {low[0], low[1]}};
-    for (unsigned i = 0; i < 5; ++i) GEOSCoordSeq_setXY_r(context_, points, i, corners[i][0], corners[i][1]);
-    return GEOSGeom_createLinearRing_r(context_, points);
-  }
-  GEOSContextHandle_t context() const { return context_; }
-
- private:
-  GEOSContextHandle_t context_;
-  std::string error_;
-};
-
-using Triangle = std::array<glm::vec3, 3>;
-
-/// Counter-clockwise, the corner of least (x, y) first.
-std::vector<Triangle> triangulate(const Box& ground, const std::vector<Box>& holes) {
+std::vector<Triangle> triangulate_around(const Box& ground, const std::vector<Box>& holes) {
   const Geos geos;
-  const GEOSContextHandle_t context = geos.context();
   std::vector<GEOSGeometry*> rings;
   for (const Box& hole : holes) rings.push_back(geos.ring(hole));
-  const auto polygon = geos.own(GEOSGeom_createPolygon_r(context, geos.ring(ground), rings.data(),
-                                                         static_cast<unsigned>(rings.size())));
-  const auto pieces = geos.own(GEOSConstrainedDelaunayTriangulation_r(context, polygon.get()));
-  std::vector<Triangle> triangles(static_cast<std::size_t>(GEOSGetNumGeometries_r(context, pieces.get())));
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const GEOSGeometry* piece = GEOSGetGeometryN_r(context, pieces.get(), static_cast<int>(i));
-    const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(context, GEOSGetExteriorRing_r(context, piece));
-    Triangle& t = triangles[i];
-    for (unsigned corner = 0; corner < 3; ++corner) {
-      double x = 0, y = 0;
-      GEOSCoordSeq_getXY_r(context, points, corner, &x, &y);
-      t[corner] = {static_cast<float>(x), static_cast<float>(y), 0.0f};  // exact: they went in as floats
-    }
-    if ((t[1].x - t[0].x) * (t[2].y - t[0].y) < (t[1].y - t[0].y) * (t[2].x - t[0].x)) std::swap(t[1], t[2]);
-    const auto before = [](const glm::vec3& a, const glm::vec3& b) {
-      return std::tie(a.x, a.y) < std::tie(b.x, b.y);
-    };
-    std::rotate(t.begin(), std::min_element(t.begin(), t.end(), before), t.end());
-  }
-  return triangles;
+  return triangulate(geos, *geos.own(GEOSGeom_createPolygon_r(geos.context(), geos.ring(ground), rings.data(),
+                                                              static_cast<unsigned>(rings.size()))));
 }
 
 void sort_by_square(std::vector<Triangle>& triangles, const CityOptions& o) {
@@ -167,25 +98,6 @@ void sort_by_square(std::vector<Triangle>& triangles, const CityOptions& o) {
   };
   std::sort(triangles.begin(), triangles.end(),
             [&](const auto& a, const auto& b) { return key(a) < key(b); });
-}
-
-VisibilityMatrix edge_neighbours(const std::vector<Triangle>& triangles) {
-  std::vector<std::vector<std::uint32_t>> rows(triangles.size());
-  std::map<std::array<float, 4>, std::uint32_t> open;  // directed edges that still wait for their other side
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    for (unsigned side = 0; side < 3; ++side) {
-      const glm::vec3 a = triangles[i][side], b = triangles[i][(side + 1) % 3];
-      if (const auto other = open.find({b.x, b.y, a.x, a.y}); other != open.end()) {
-        rows[i].push_back(other->second);
-        rows[other->second].push_back(i);
-        open.erase(other);
-      } else {
-        open.emplace(std::array{a.x, a.y, b.x, b.y}, i);
-      }
-    }
-  }
-  for (auto& row : rows) std::sort(row.begin(), row.end());
-  return VisibilityMatrix::from_rows(rows, static_cast<std::uint32_t>(rows.size()));
 }
 
 ObjectTree quadtree(std::uint32_t objects) {
@@ -209,12 +121,13 @@ SceneFile make_city(const CityOptions& options) {
   SceneFile city;
   for (const Box& box : boxes) add_box(city.scene, box);
   const float side = static_cast<float>(options.size) * options.pitch;
-  std::vector<Triangle> triangles = triangulate({{0, 0, 0}, {side, side, 0}}, boxes);
+  std::vector<Triangle> triangles = triangulate_around({{0, 0, 0}, {side, side, 0}}, boxes);
   sort_by_square(triangles, options);
   for (const Triangle& t : triangles) city.cells.corners.insert(city.cells.corners.end(), t.begin(), t.end());
   city.cells.eye_low = options.eye_low;
   city.cells.eye_high = options.eye_high;
-  city.cells.neighbours = edge_neighbours(triangles);
+  city.cells.neighbours =
+      VisibilityMatrix::from_rows(edge_neighbours(triangles), static_cast<std::uint32_t>(triangles.size()));
   city.tree = quadtree(city.scene.object_count);
   city.provenance = describe(options);
   city.seed = options.seed;

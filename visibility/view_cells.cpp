@@ -19,6 +19,26 @@ std::vector<Box> cell_bounds(const ViewCells& cells) {
   return bounds;
 }
 
+ViewCells resized(const ViewCells& cells, float factor) {
+  ViewCells result = cells;
+  result.neighbours.reset();
+  const auto resize = [factor](float& low, float& high) {
+    const float middle = low / 2 + high / 2, half = (high / 2 - low / 2) * factor;
+    low = middle - half;
+    high = middle + half;
+  };
+  for (std::size_t first = 0; first < result.corners.size(); first += 3) {
+    glm::vec3* corner = &result.corners[first];
+    const glm::vec3 middle = corner[0] / 3.0f + corner[1] / 3.0f + corner[2] / 3.0f;
+    for (int i = 0; i < 3; ++i) corner[i] = middle + (corner[i] - middle) * factor;
+  }
+  resize(result.eye_low, result.eye_high);
+  for (Box& box : result.boxes) {
+    for (unsigned axis = 0; axis < 3; ++axis) resize(box.low[axis], box.high[axis]);
+  }
+  return result;
+}
+
 Convex convex_of(const ViewCells& cells, std::uint32_t cell) {
   if (cell >= cells.prisms()) return convex_box(cells.boxes[cell - cells.prisms()]);
   const glm::vec3* corner = &cells.corners[std::size_t{3} * cell];

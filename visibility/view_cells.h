@@ -26,4 +26,8 @@ std::vector<Box> cell_bounds(const ViewCells& cells);
 /// The cell as a solid; a flat one keeps the faces, edges and vertices that fall together.
 Convex convex_of(const ViewCells& cells, std::uint32_t cell);
 
+/// Each cell `factor` times as large about its middle, without neighbours: how visibility depends on the size of cells is
+/// seen from cells in the same places. With a factor of at most 1 each lies within the old one, but for rounding.
+ViewCells resized(const ViewCells& cells, float factor);
+
 }  // namespace vismat

@@ -85,7 +85,7 @@ std::vector<std::string> verbs() {
 }
 
 TEST(Program, HelpNamesEveryVerb) {
-  const std::vector<std::string> expected = {"import", "city", "dense-city", "plant", "generate", "see",  "tree",    "order",
+  const std::vector<std::string> expected = {"import", "city", "cells", "dense-city", "plant", "generate", "see",  "tree",    "order",
                                              "deltas", "encode", "decode",   "node", "convert", "info", "merge", "verify"};
   const auto found = verbs();
   for (const std::string& verb : expected)

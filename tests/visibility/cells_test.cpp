@@ -8,7 +8,9 @@
 
 #include "matrix/random.h"
 #include "visibility/cells_choice.h"
+#include "visibility/city.h"
 #include "visibility/grid_cells.h"
+#include "visibility/ground_cells.h"
 #include "visibility/octree_cells.h"
 
 namespace vismat {
@@ -291,6 +293,133 @@ TEST(OctreeCells, RefusesWhatCannotBe) {
   EXPECT_THROW(make_octree_cells(scene, nearer_is_more({}), options), std::invalid_argument);
 }
 
+double area(const ViewCells& cells) {
+  double sum = 0;
+  for (std::uint32_t cell = 0; cell < cells.prisms(); ++cell) {
+    const glm::vec3* c = &cells.corners[std::size_t{3} * cell];
+    sum += 0.5 * ((double{c[1].x} - c[0].x) * (double{c[2].y} - c[0].y) -
+                  (double{c[1].y} - c[0].y) * (double{c[2].x} - c[0].x));
+  }
+  return sum;
+}
+
+/// How many cells have the point of the plan and the height in them.
+int cells_at(const ViewCells& cells, float x, float y, float z) {
+  int count = 0;
+  for (std::uint32_t cell = 0; cell < cells.prisms(); ++cell) {
+    const Convex prism = convex_of(cells, cell);
+    count += std::all_of(prism.faces.begin(), prism.faces.end(), [&](const Convex::Face& face) {
+      return face.normal.x * x + face.normal.y * y + face.normal.z * (z + cells.eye_low) <=
+             face.offset + 1e-5;
+    });
+  }
+  return count;
+}
+
+TEST(GroundCells, GoAroundTheBoxesOfACity) {
+  CityOptions size_4;
+  size_4.size = 4;
+  const Scene scene = make_city(size_4).scene;
+  GroundCellsOptions options;
+  options.height = 0;
+  options.region = {{0, 0, 0}, {80, 80, 30}};
+  const ViewCells cells = make_ground_cells(scene, options);
+  double expected = 80 * 80;
+  for (const Box& box : object_bounds(scene)) {
+    expected -=
+        (box.high[0] - box.low[0] + 2 * options.radius) * (box.high[1] - box.low[1] + 2 * options.radius);
+    for (const float x : {box.low[0], (box.low[0] + box.high[0]) / 2, box.high[0]}) {
+      for (const float y : {box.low[1], (box.low[1] + box.high[1]) / 2, box.high[1]}) {
+        EXPECT_EQ(cells_at(cells, x, y, 0), 0) << "outlines and insides of boxes are out of reach";
+      }
+    }
+    EXPECT_GE(cells_at(cells, box.low[0] - 1.1f * options.radius, box.low[1] + 1, 0), 1);
+  }
+  EXPECT_NEAR(area(cells), expected, 0.1);
+  EXPECT_GE(cells.count(), 6u * 16 + 2) << "as the city's own";
+  EXPECT_LE(cells.count(), 7u * 16 + 2) << "a box may get one corner more";
+  EXPECT_EQ(transpose(*cells.neighbours), *cells.neighbours);
+  EXPECT_GE(cells.neighbours->ones(), 3u * cells.count() - 5 * 16 - 4) << "all sides but the borders";
+}
+
+TEST(GroundCells, LeadThroughDoorsAndUnderRoofs) {
+  for (const float door : {0.0f, 1.0f, 0.15f}) {
+    Scene scene = hollow(door);
+    add_box(scene, {{-4, -4, -1}, {12, 12, 0}});  // the ground, with an underside
+    GroundCellsOptions options;
+    const ViewCells cells = make_ground_cells(scene, options);
+    EXPECT_EQ(cells_at(cells, -2.1f, -2.3f, 0), 1);
+    EXPECT_EQ(cells_at(cells, -2.1f, -2.3f, -1), 0) << "nobody walks under the ground";
+    EXPECT_EQ(cells_at(cells, 4.1f, 4.2f, 4), 0) << "nor gets onto the roof";
+    // The floor is half a metre above the ground, which is more than a step.
+    EXPECT_EQ(cells_at(cells, 4.1f, 4.2f, 0.5f), 0);
+    options.step = 0.6f;
+    EXPECT_EQ(cells_at(make_ground_cells(scene, options), 4.1f, 4.2f, 0.5f), door > 0.5f);
+    options.viewers.from = {{4, 4, 3}};
+    EXPECT_EQ(cells_at(make_ground_cells(scene, options), 4.1f, 4.2f, 0.5f), 1);
+    EXPECT_EQ(cells_at(make_ground_cells(scene, options), -2.1f, -2.3f, 0), door > 0.5f);
+    options.viewers.eyes = {{3.1f, 3.2f}};
+    EXPECT_THROW(make_ground_cells(scene, options), std::invalid_argument) << "no head room inside";
+  }
+}
+
+TEST(GroundCells, ClimbStairsAndSlopes) {
+  Scene scene;
+  add_box(scene, {{0, 0, -1}, {20, 10, 0}});
+  for (int i = 0; i < 8; ++i) {  // stairs up to a gallery, over a part of the ground
+    const auto at = static_cast<float>(i);
+    add_box(scene, {{5 + at / 2, 2, 0.375f * at}, {5.5f + at / 2, 4, 0.375f * (at + 1)}});
+  }
+  add_box(scene, {{9, 0, 2.75f}, {20, 10, 3}});
+  const auto first = static_cast<std::uint32_t>(scene.vertices.size());  // a slope down to another field
+  for (const glm::vec3& corner : {glm::vec3(0, 0, 0), glm::vec3(0, 10, 0), glm::vec3(-10, 10, -5),
+                                  glm::vec3(-10, 0, -5), glm::vec3(-20, 10, -5), glm::vec3(-20, 0, -5)}) {
+    scene.vertices.push_back(corner);
+  }
+  for (const std::uint32_t corner : {0, 1, 2, 0, 2, 3, 3, 2, 4, 3, 4, 5})
+    scene.indices.push_back(first + corner);
+  for (int i = 0; i < 4; ++i) scene.object_of_triangle.push_back(0);
+  const ViewCells cells = make_ground_cells(scene);
+  EXPECT_EQ(cells_at(cells, 2.1f, 3.2f, 0), 1);
+  EXPECT_EQ(cells_at(cells, 15.1f, 5.2f, 0), 1) << "under the gallery";
+  EXPECT_EQ(cells_at(cells, 15.1f, 5.2f, 3), 1) << "on it";
+  EXPECT_EQ(cells_at(cells, -5.1f, 5.2f, -2.55f), 1) << "on the slope";
+  EXPECT_EQ(cells_at(cells, -15.1f, 5.2f, -5), 1) << "beyond it";
+  GroundCellsOptions options;
+  options.step = 0.3f;
+  EXPECT_EQ(cells_at(make_ground_cells(scene, options), 15.1f, 5.2f, 3) +
+                cells_at(make_ground_cells(scene, options), 15.1f, 5.2f, 0),
+            1)
+      << "steps too high";
+  options = {};
+  options.steepest = 20;
+  EXPECT_EQ(cells_at(make_ground_cells(scene, options), -15.1f, 5.2f, -5), 0);
+}
+
+TEST(GroundCells, TheSameForAnyNumberOfThreads) {
+  GroundCellsOptions options;
+  options.threads = 1;
+  options.step = 0.6f;
+  const ViewCells once = make_ground_cells(hollow(1), options);
+  options.threads = 3;
+  EXPECT_EQ(once.corners, make_ground_cells(hollow(1), options).corners);
+}
+
+TEST(GroundCells, RefusesWhatCannotBe) {
+  const auto refused = [](const std::function<void(GroundCellsOptions&)>& change) {
+    GroundCellsOptions options;
+    change(options);
+    EXPECT_THROW(make_ground_cells(hollow(1), options), std::invalid_argument);
+  };
+  refused([](GroundCellsOptions& o) { o.steepest = 90; });
+  refused([](GroundCellsOptions& o) { o.radius = 0; });
+  refused([](GroundCellsOptions& o) { o.viewers.eyes = {{2, 1}}; });
+  refused([](GroundCellsOptions& o) { o.viewers.eyes.reset(); });
+  refused([](GroundCellsOptions& o) { o.viewers.from = {{40, 40, 9}}; });
+  refused([](GroundCellsOptions& o) { o.region = {{100, 100, 0}, {120, 120, 9}}; });
+  EXPECT_THROW(make_ground_cells(Scene{}), std::invalid_argument);
+}
+
 TEST(CellsChoice, ReadsWords) {
   const auto grid = std::get<GridCellsOptions>(
       parse_cells({"grid:4,4,1.5", "-1,-2.5,0,1e2,2,3", {"1,2,3", "-4,5,6"}, "1.6,1.8"}));
@@ -304,14 +433,17 @@ TEST(CellsChoice, ReadsWords) {
   EXPECT_EQ(octree.levels, OctreeCellsOptions{}.levels);
   EXPECT_EQ(octree.viewers.eyes, (std::array{1.7f, 1.7f}));
   EXPECT_EQ(std::get<OctreeCellsOptions>(parse_cells({"octree:5000:3", "", {}, ""})).levels, 3u);
+  EXPECT_EQ(std::get<GroundCellsOptions>(parse_cells({"ground", "", {}, ""})).viewers.eyes,
+            (std::array{1.6f, 1.6f}));
+  EXPECT_EQ(std::get<GroundCellsOptions>(parse_cells({"ground:-2.5", "", {}, "1,2"})).height, -2.5f);
   EXPECT_TRUE(std::holds_alternative<std::monostate>(parse_cells({})));
   EXPECT_NE(describe(CellsChoice{grid}), describe(CellsChoice{GridCellsOptions{}}));
 }
 
 TEST(CellsChoice, RefusesOtherWords) {
-  for (const char* cells :
-       {"", "grid", "grid:", "grid:4m", "grid:1,2", "grid:nan", "grid:1e30", "grid:4:4", "octree",
-        "octree:", "octree:-3", "octree:5:x", "octree:5:6:7", "file:1", "cubes:3"}) {
+  for (const char* cells : {"", "grid", "grid:", "grid:4m", "grid:1,2", "grid:nan", "grid:1e30", "grid:4:4",
+                            "octree", "octree:", "octree:-3", "octree:5:x", "octree:5:6:7",
+                            "ground:", "ground:1:2", "ground:1,2", "file:1", "cubes:3"}) {
     EXPECT_THROW(parse_cells({cells, "", {}, ""}), std::invalid_argument) << cells;
   }
   for (const char* region : {"1,2,3", "0,0,0,1,1,-1", "0,0,0,1,1,inf", "0,0,0,1,1,1,"}) {
