@@ -12,6 +12,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "visibility/seen_along.h"
+
 namespace vismat {
 namespace {
 
@@ -122,7 +124,6 @@ std::array<glm::vec3, 3> AimedRays::corners(std::uint32_t triangle) const {
   return {scene_.vertices[index[0]], scene_.vertices[index[1]], scene_.vertices[index[2]]};
 }
 
-/// About uniform by area. The object has some.
 glm::vec3 AimedRays::point_of(std::uint32_t object, Random& random) const {
   const auto count = static_cast<std::uint32_t>(first_patch_[object + 1] - first_patch_[object]);
   const auto& [a, b, c] = patches_[first_patch_[object] + random.below(count)];
@@ -159,21 +160,31 @@ std::optional<glm::vec3> AimedRays::touch(const CellPoints& cell, const Box& box
   return {};
 }
 
-bool AimedRays::confirm(SeenObject& seen) const {
+bool AimedRays::confirms(const SeenObject& seen) const {
+  constexpr float slack = 1e-4f;
+  const glm::vec3 from = seen.line.from, direction = seen.line.to - from;
   if (seen.line.from == seen.line.to) return true;
-  const Hit hit = caster_.hit(seen.line.from, seen.line.to - seen.line.from);
-  return hit.triangle != Hit::nothing && scene_.object_of_triangle[hit.triangle] == seen.object &&
-         std::abs(hit.distance - 1) <= 1e-4f;
+  const auto is_it = [&](std::uint32_t triangle) {
+    return scene_.object_of_triangle[triangle] == seen.object;
+  };
+  const Hit hit = caster_.hit(from, direction);
+  if (hit.triangle != Hit::nothing && hit.distance < 1 + slack) {
+    if (is_it(hit.triangle) && hit.distance > 1 - slack) return true;
+    if (hit.distance < 1 - slack) return false;
+  }
+  const auto passed = caster_.passed(from, direction, 1 + slack);
+  return std::any_of(passed.begin(), passed.end(), is_it);
 }
 
 AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uint32_t> targets,
-                                std::uint64_t rays, Random random) const {
+                                std::uint64_t rays, Random random, std::span<const SeenObject> hints) const {
   Seen seen;
   /// A target not seen yet, and its ray that came nearest.
   struct Aim {
     std::uint32_t place, object;
     glm::vec3 from{}, to{};
-    float reached = -1;                  // of the way
+    float reached = -1;  // of the way
+    bool hinted = false;
     std::uint32_t blocker = 0xffffffff;  // what stopped the last ray
   };
   std::vector<Aim> aims;
@@ -197,6 +208,13 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
     return std::pair(a.place, a.object) < std::pair(b.place, b.object);
   });
   for (std::uint32_t i = 0; i < aims.size(); ++i) aim_of_object[aims[i].object] = i;
+  for (const auto& [object, line] : hints) {
+    if (aim_of_object[object] == none) continue;
+    Aim& aim = aims[aim_of_object[object]];
+    const auto way = cell.part_of(line.from, cell.centre() - glm::dvec3(line.from), 1);
+    aim.from = cell.within(glm::mix(glm::dvec3(line.from), cell.centre(), way ? (*way)[0] : 1));
+    aim.to = line.to, aim.reached = 0, aim.hinted = true;
+  }
 
   const std::size_t vertices = cell.cell().vertices.size();
   std::array<std::uint32_t, RayCaster::width> aimed{};
@@ -204,24 +222,24 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
   unsigned filled = 0;
   std::size_t left = aims.size();
   const auto cast = [&] {
-    const auto hits = caster_.hits(origins, directions, filled, true);
     seen.rays += filled;
+    const auto hits =
+        see_along(scene_, caster_, origins, directions, filled, true,
+                  [&](unsigned ray, std::uint32_t triangle, float distance) {
+                    const std::uint32_t object = scene_.object_of_triangle[triangle];
+                    if (aim_of_object[object] == none) return;
+                    const SeenObject found{object, {origins[ray], origins[ray] + directions[ray] * distance}};
+                    ++seen.rays;
+                    if (!confirms(found)) return;
+                    seen.objects.push_back(found);
+                    aim_of_object[object] = none;
+                    --left;
+                  });
     for (unsigned i = 0; i < filled; ++i) {
-      if (hits[i].triangle == Hit::nothing) continue;
-      const std::uint32_t object = scene_.object_of_triangle[hits[i].triangle];
-      const std::uint32_t found = aim_of_object[object];
-      if (found != none) {
-        SeenObject candidate{object, {origins[i], origins[i] + directions[i] * hits[i].distance}};
-        ++seen.rays;
-        if (confirm(candidate)) {
-          seen.objects.push_back(candidate);
-          aim_of_object[object] = none;
-          --left;
-        }
-      }
       Aim& aim = aims[aimed[i]];
-      if (hits[i].distance < 1) aim.blocker = object;
-      if (hits[i].distance < 1 && hits[i].distance > aim.reached) {
+      if (!(hits[i].distance < 1)) continue;
+      aim.blocker = scene_.object_of_triangle[hits[i].triangle];
+      if (hits[i].distance > aim.reached) {
         aim.from = origins[i], aim.to = origins[i] + directions[i], aim.reached = hits[i].distance;
       }
     }
@@ -233,23 +251,22 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
                                                  : cell.on_face(random);
     for (std::uint32_t i = 0; i < aims.size() && seen.rays + filled < rays; ++i) {
       Aim& aim = aims[i];
-      if (aim_of_object[aim.object] == none) continue;
-      glm::vec3 from = viewpoint;
-      glm::vec3 to = round % 3 == 0 ? point_of(aim.object, random) : extreme_of(aim.object, random);
-      if (round > vertices && round % 4 == 3 && aim.blocker != none) {
-        // The line from the target past the blocker's outline, if it meets the cell.
-        const glm::dvec3 past = beside(aim.blocker, random);
-        if (const auto part =
-                cell.part_of(to, past - glm::dvec3(to), std::numeric_limits<double>::infinity())) {
-          from =
-              cell.within(glm::dvec3(to) + (past - glm::dvec3(to)) * glm::mix((*part)[0], (*part)[1], 0.5));
+      for (unsigned again = aim.hinted ? 4 : 1; again > 0 && aim_of_object[aim.object] != none; --again) {
+        glm::vec3 from = viewpoint;
+        glm::vec3 to = round % 3 == 0 ? point_of(aim.object, random) : extreme_of(aim.object, random);
+        if (round > vertices && round % 4 == 3 && aim.blocker != none) {
+          // The line from the target past the blocker's outline, if it meets the cell.
+          const glm::dvec3 past = beside(aim.blocker, random) - glm::dvec3(to);
+          if (const auto part = cell.part_of(to, past, std::numeric_limits<double>::infinity())) {
+            from = cell.within(glm::dvec3(to) + past * glm::mix((*part)[0], (*part)[1], 0.5));
+          }
+        } else if ((aim.hinted || (round > vertices && aim.reached >= 0)) && round % 4 < 2) {
+          from = cell.within(glm::mix(glm::dvec3(aim.from), glm::dvec3(from), any_order(10, random)));
+          to = glm::mix(aim.to, to, any_order(10, random));
         }
-      } else if (round > vertices && round % 4 < 2 && aim.reached >= 0) {
-        from = cell.within(glm::mix(glm::dvec3(aim.from), glm::dvec3(from), any_order(10, random)));
-        to = glm::mix(aim.to, to, any_order(10, random));
+        origins[filled] = from, directions[filled] = to - from, aimed[filled] = i;
+        if (++filled == RayCaster::width) cast();
       }
-      origins[filled] = from, directions[filled] = to - from, aimed[filled] = i;
-      if (++filled == RayCaster::width) cast();
     }
     if (filled > 0) cast();
   }

@@ -34,19 +34,25 @@ class AimedRays {
     std::uint64_t rays = 0;
   };
   /// Which of `targets` (ascending, none twice) are seen: first what touches the cell (from == to), then by at most `rays` rays
-  /// at those not seen yet. Same arguments, same answer.
-  Seen from(const CellPoints& cell, std::span<const std::uint32_t> targets, std::uint64_t rays,
-            Random random) const;
+  /// at those not seen yet. `hints`: sight lines from other places at some of the targets. Same arguments, same answer.
+  Seen from(const CellPoints& cell, std::span<const std::uint32_t> targets, std::uint64_t rays, Random random,
+            std::span<const SeenObject> hints = {}) const;
 
+  /// Traces it again: the object is the first thing on its sight line, but for what is see-through, and lies at its end.
+  bool confirms(const SeenObject& seen) const;
+  /// About uniform by area, of an object that has some.
+  glm::vec3 point_of(std::uint32_t object, Random& random) const;
+  bool has_area(std::uint32_t object) const { return first_patch_[object] < first_patch_[object + 1]; }
+
+  const Scene& scene() const { return scene_; }
+  const RayCaster& caster() const { return caster_; }
   const std::vector<Box>& bounds() const { return bounds_; }  // of the objects
 
  private:
   std::array<glm::vec3, 3> corners(std::uint32_t triangle) const;
-  glm::vec3 point_of(std::uint32_t object, Random& random) const;
   glm::vec3 extreme_of(std::uint32_t object, Random& random) const;
   glm::dvec3 beside(std::uint32_t object, Random& random) const;
   std::optional<glm::vec3> touch(const CellPoints& cell, const Box& box, std::uint32_t object) const;
-  bool confirm(SeenObject& seen) const;
 
   const Scene& scene_;
   const RayCaster& caster_;

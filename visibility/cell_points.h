@@ -17,6 +17,7 @@ class CellPoints {
   explicit CellPoints(Convex cell);
 
   const Convex& cell() const { return cell_; }
+  const glm::dvec3& centre() const { return centre_; }  // the mean of its vertices
   /// Closed; the planes of a box are exact.
   bool contains(const glm::vec3& point) const;
   glm::vec3 vertex(std::size_t i) const { return within(cell_.vertices[i]); }
