@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   add_plant(app);
   add_cells(app);
   add_generate(app);
+  add_scene(app);
   add_see(app);
   add_tree(app);
   add_order(app);

@@ -10,6 +10,7 @@ void add_dense_city(CLI::App& app);
 void add_plant(CLI::App& app);
 void add_cells(CLI::App& app);
 void add_generate(CLI::App& app);
+void add_scene(CLI::App& app);
 void add_see(CLI::App& app);
 void add_tree(CLI::App& app);
 void add_order(CLI::App& app);

@@ -18,7 +18,7 @@ struct WeldCounts {
 /// Makes vertices one that are equal (-0 is 0) or, with a tolerance, at most so far from the first of them, whose place
 /// they take; then leaves out triangles that have no area, doubles, and vertices of no triangle. The others keep their order, and
 /// objects their numbers, even if nothing is left of them. `tolerance` is 0 or at least 1e-6 of the scene's units, otherwise
-/// std::invalid_argument. Hashing: 0.9 s for a million triangles of three vertices each. Deterministic.
+/// std::invalid_argument. Hashing: half a second for a million triangles of three vertices each. Deterministic.
 WeldCounts weld(Scene& scene, float tolerance = 0);
 
 /// Objects become the connected components of triangles that share vertices (by index: weld first), numbered by their first

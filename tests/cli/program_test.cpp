@@ -129,6 +129,33 @@ TEST(Program, RefusesInOneLine) {
   }
 }
 
+TEST(Program, MakesScenesOfMeshes) {
+  const TemporaryFolder folder;
+  const std::string mesh = folder / "two.obj", scene = folder / "two.scene.h5", triangles = folder / "three.scene.h5",
+                    bad = folder / "bad.obj", flat = folder / "flat.OBJ", none = folder / "none.scene.h5";
+  std::ofstream(mesh) << "v 0 0 0\nv 100 0 0\nv 100 200 0\nv 0 200 0\nf 1 2 3 4\nv 500 0 0\nv 600 0 0\nv 500 9 9\n"
+                         "f 5 6 7\nf 7 6 5\nf 1 1 2\n";
+  std::ofstream(bad) << "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n";
+  std::ofstream(flat) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
+  const Finished made = vismat_program({"scene", mesh, "--scale", "0.01", "--up", "y", "-o", scene});
+  EXPECT_EQ(made.code(), 0) << made.error;
+  EXPECT_EQ(made.out, scene + ": 2 objects, 3 triangles, 7 vertices; 1 triangles without area left out; 1 double triangles left out\n");
+  const std::string info = vismat_program({"info", scene}).out;
+  EXPECT_NE(info.find("two.obj, 0.01 m a unit, y up, objects are connected components"), std::string::npos) << info;
+  const Finished split = vismat_program({"scene", scene, "--objects", "one-a-triangle", "-o", triangles});
+  EXPECT_EQ(split.out, triangles + ": 3 objects, 3 triangles, 7 vertices\n") << split.error;
+  const std::size_t files = folder.entries();
+  expect_refusal({"scene", bad, "-o", none}, "bad.obj: line 3: a coordinate is not a number within 1e9 of the origin");
+  expect_refusal({"scene", flat, "-o", none}, "flat.OBJ: none of its 1 triangles has an area");
+  expect_refusal({"scene", mesh, "--scale", "1e30", "-o", none}, "two.obj: a coordinate is farther than 1e9 m");
+  expect_refusal({"scene", mesh, "--scale", "-1", "-o", none}, "a scene's scale is a number above 0");
+  expect_refusal({"scene", mesh, "--weld", "-1", "-o", none}, "the tolerance is 0 or between 1e-6 and 1e9");
+  expect_refusal({"scene", scene, "--scale", "2", "-o", none}, "two.scene.h5: its lengths and its up are known");
+  expect_refusal({"scene", mesh, "--objects", "groups", "-o", none}, "--objects");
+  expect_refusal({"scene", folder / "no.pk3:maps/a.bsp", "-o", none}, "no.pk3");
+  EXPECT_EQ(folder.entries(), files) << "something was written";
+}
+
 // A matrix of clusters that see their neighbours, over a tree: what `tree` needs to begin with.
 Dataset ring_of_clusters(std::uint32_t count) {
   Dataset dataset;

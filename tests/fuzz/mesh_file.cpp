@@ -1,0 +1,37 @@
+// Any bytes as a mesh of any format, told by the first: a scene that can be welded and split, or FormatError.
+#include "visibility/mesh_file.h"
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "matrix/byte_reader.h"
+#include "visibility/components.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace vismat;
+  if (size == 0) return 0;
+  try {
+    Scene scene =
+        parse_mesh(std::as_bytes(std::span(data, size).subspan(1)), static_cast<MeshFormat>(data[0] % 4));
+    if (scene.object_count != 1 || scene.indices.size() != 3 * scene.object_of_triangle.size()) std::abort();
+    const std::size_t triangles = scene.object_of_triangle.size(), vertices = scene.vertices.size();
+    const WeldCounts counts = weld(scene, size % 2 == 0 ? 0.0f : 0.5f);
+    if (scene.object_of_triangle.size() + counts.zero_area + counts.duplicates != triangles) std::abort();
+    if (scene.vertices.size() + counts.joined != vertices) std::abort();
+    split_into_components(scene);
+    for (const glm::vec3& v : scene.vertices) {
+      if (!(std::abs(v.x) <= 1e9f && std::abs(v.y) <= 1e9f && std::abs(v.z) <= 1e9f)) std::abort();
+    }
+    for (const std::uint32_t index : scene.indices) {
+      if (index >= scene.vertices.size()) std::abort();
+    }
+    for (const std::uint32_t object : scene.object_of_triangle) {
+      if (object >= scene.object_count) std::abort();
+    }
+    object_bounds(scene);
+  } catch (const FormatError&) {
+  }
+  return 0;
+}

@@ -1,0 +1,13 @@
+// PLY files.
+#pragma once
+#include <cstddef>
+#include <span>
+
+#include "visibility/scene.h"
+
+namespace vismat {
+
+/// As parse_mesh, for PLY.
+Scene parse_ply(std::span<const std::byte> bytes);
+
+}  // namespace vismat
