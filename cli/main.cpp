@@ -19,6 +19,7 @@ void interrupted(int signal) {
 
 int main(int argc, char** argv) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, interrupted);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file over its limit is an error to tell, as a full disk is
   CLI::App app("vismat makes, reorders and compresses visibility matrices: which objects may be seen from which view cell.");
   app.name("vismat");
   app.set_version_flag("--version", VISMAT_VERSION);

@@ -15,6 +15,8 @@
 
 namespace vismat {
 
+class PieceStore;
+
 /// Runs stages of independent pieces. A piece's bytes depend on its number and on what earlier stages gave alone, so any
 /// number of threads or processes, and any interruption, leaves the same bytes.
 class Crew {
@@ -30,6 +32,11 @@ class Crew {
                                  const Progress& progress = {}) = 0;
   /// The one process that writes the output and talks.
   virtual bool leads() const { return true; }
+  /// From now on finished pieces go there, on the process that leads; it must outlive the runs.
+  void keep_in(PieceStore& store) { store_ = &store; }
+
+ protected:
+  PieceStore* store_ = nullptr;
 };
 
 /// A list as bytes: how many items, in 8 bytes, then the items, all in this machine's order of bytes.
@@ -74,17 +81,16 @@ inline std::vector<std::uint64_t> missing_pieces(PieceStore* store, const std::s
   return all;
 }
 
-/// The threads of this process (0: one a core). Pieces go to `store`, if any, as they are done; it must outlive the crew.
+/// The threads of this process (0: one a core).
 class ThreadCrew : public Crew {
  public:
-  explicit ThreadCrew(unsigned threads = 0, PieceStore* store = nullptr) : threads_(threads), store_(store) {}
+  explicit ThreadCrew(unsigned threads = 0) : threads_(threads) {}
   std::vector<Piece> run(const std::string& stage, std::uint64_t count,
                          const std::function<Piece(std::uint64_t)>& piece,
                          const Progress& progress = {}) override;
 
  private:
   unsigned threads_;
-  PieceStore* store_;
 };
 
 }  // namespace vismat

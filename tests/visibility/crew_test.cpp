@@ -62,7 +62,8 @@ TEST(Crew, RestoresEveryPieceThatAJournalHolds) {
   const TemporaryFolder folder;
   for (const unsigned threads : {3u, 2u}) {
     Journal journal(folder / "j", "toy");
-    ThreadCrew crew(threads, &journal);
+    ThreadCrew crew(threads);
+    crew.keep_in(journal);
     std::atomic<std::uint64_t> made = 0;
     EXPECT_EQ(work(crew, [&] { ++made; }), expected());
     EXPECT_EQ(made, threads == 3 ? 3 * count : 0);
@@ -78,7 +79,8 @@ TEST(Crew, GoesOnAfterAKill) {
     const pid_t child = ::fork();
     if (child == 0) {
       Journal journal(folder / "j", "toy");
-      ThreadCrew crew(2, &journal);
+      ThreadCrew crew(2);
+      crew.keep_in(journal);
       std::atomic<int> made = 0;
       work(crew, [&] {
         if (++made == 19) ::kill(::getpid(), SIGKILL);  // 17 or 18 stored
@@ -92,7 +94,8 @@ TEST(Crew, GoesOnAfterAKill) {
   }
   Journal journal(folder / "j", "toy");
   EXPECT_GE(journal.found(), 2 * count);
-  ThreadCrew crew(2, &journal);
+  ThreadCrew crew(2);
+  crew.keep_in(journal);
   EXPECT_EQ(work(crew), expected());
 }
 
@@ -101,7 +104,8 @@ TEST(Crew, GoesOnFromAJournalCutAnywhereAndFromADamagedOne) {
   const auto run = [&](std::span<const std::byte> left) {
     write_file(folder / "j", left);
     Journal journal(folder / "j", "toy");
-    ThreadCrew crew(1, &journal);
+    ThreadCrew crew(1);
+    crew.keep_in(journal);
     return crew.run("first", 5, [](std::uint64_t i) { return toy_piece(1, i); });
   };
   const Pieces right = run({});
@@ -154,7 +158,8 @@ TEST(Crew, AFullDiskEndsTheRunAndTheNextGoesOn) {
     const rlimit limit{4000, 4000};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     Journal journal(folder / "j", "toy");
-    ThreadCrew crew(2, &journal);
+    ThreadCrew crew(2);
+    crew.keep_in(journal);
     try {
       work(crew);
     } catch (const std::runtime_error& error) {
@@ -168,7 +173,8 @@ TEST(Crew, AFullDiskEndsTheRunAndTheNextGoesOn) {
   EXPECT_EQ(WEXITSTATUS(status), 7);
   Journal journal(folder / "j", "toy");
   EXPECT_GT(journal.found(), 20u);
-  ThreadCrew crew(2, &journal);
+  ThreadCrew crew(2);
+  crew.keep_in(journal);
   EXPECT_EQ(work(crew), expected());
 }
 
