@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "visibility/occluders.h"
+#include "visibility/projection_point.h"
 #include "visibility/supporting_planes.h"
 
 namespace vismat {
@@ -17,6 +18,8 @@ struct ShadowOptions {
   std::uint32_t resolution = 512;  // pixels a side of each of six faces
   std::uint32_t points =
       1;  // projection points whose shadows are joined: 1 (centre), 9 (and corners), 27 (and edges, faces)
+  std::optional<ProjectionObjective>
+      best_point;             // one more point, found for the occluders that the first shows
   std::uint32_t patches = 0;  // views from patches of the cell's boundary, at most; 0: the whole cell at once
   std::uint32_t patch_resolution = 256;
 };
