@@ -266,6 +266,54 @@ TEST(Quake3Bsp, RefusesBadLeafs) {
   EXPECT_EQ(refused(quake), "lump 4 (leafs): 39999 leafs have a cluster; at most 32768 are taken");
 }
 
+TEST(Quake3Bsp, CellsAlongASegment) {
+  Quake quake;
+  EXPECT_TRUE(parse_quake3_bsp(quake.bytes()).places.nodes.empty());
+  // x: cluster 0 up to 64, 1 up to 128, 2 up to 192; farther out solid where z > 0.
+  quake.planes = {{-1, 0, 0, -128}, {-1, 0, 0, -64}, {1, 0, 0, 192}, {0, 0, 1, 0}};
+  const LevelPlaces places = parse_quake3_bsp(quake.bytes()).places;
+  const auto along = [&](const glm::dvec3& from, const glm::dvec3& to) {
+    std::vector<std::array<double, 3>> parts;
+    for (const Stay& stay : stays_along(places, from, to))
+      parts.push_back({double(stay.cell), stay.from, stay.to});
+    return parts;
+  };
+  using Parts = std::vector<std::array<double, 3>>;
+  EXPECT_EQ(along({0, 1, 1}, {8, 1, 1}),
+            (Parts{{0, 0, 0.25}, {1, 0.25, 0.5}, {2, 0.5, 0.75}, {-1, 0.75, 1}}));
+  EXPECT_EQ(along({8, 1, 1}, {0, 1, 1}),
+            (Parts{{-1, 0, 0.25}, {2, 0.25, 0.5}, {1, 0.5, 0.75}, {0, 0.75, 1}}));
+  EXPECT_EQ(along({0, 1, 1}, {1, 1, 1}), (Parts{{0, 0, 1}}));
+  EXPECT_EQ(along({7, 1, 1}, {7, 1, -1}), (Parts{{-1, 0, 0.5}, {1, 0.5, 1}}));
+  EXPECT_EQ(cell_at(places, {5, 0, 0}), 2);
+  EXPECT_EQ(cell_at(places, {9, 0, 1}), -1);
+
+  quake.planes.pop_back();
+  EXPECT_EQ(refused(quake), "lump 3 (nodes): node 3: plane 3 of only 3");
+  quake.planes.push_back({0, 0, std::numeric_limits<float>::infinity(), 0});
+  EXPECT_EQ(refused(quake), "lump 2 (planes): plane 3: is not finite");
+}
+
+TEST(Quake3Bsp, FarPlane) {
+  const auto far_plane = [](const std::string& entities) {
+    Quake quake;
+    quake.entities = entities;
+    return parse_quake3_bsp(quake.bytes()).far_plane;
+  };
+  EXPECT_EQ(far_plane("{}"), 0);
+  EXPECT_EQ(far_plane("{\n\"_farplanedist\" \"4096\"\n}"), 128);
+  EXPECT_EQ(far_plane("{ \"fogclip\" \"64.5\" \"distancecull\" \"32\" }"), 64.5f / 32);
+  EXPECT_EQ(far_plane("{ } { \"_farplanedist\" \"4096\" }"), 0);  // not the world's
+  EXPECT_EQ(far_plane("{ \"_farplanedist\" \"-1\" }"), 0);
+  EXPECT_EQ(far_plane("{ \"_farplanedist\" \"nan\" }"), 0);
+  EXPECT_EQ(far_plane("{ \"_farplanedist\" "), 0);
+  Quake quake;
+  quake.entities = "{ \"_farplanedist\" \"4096\" }";
+  const Dataset dataset = level_dataset(parse_quake3_bsp(quake.bytes()), LevelMatrix::cells, LevelTree::none);
+  EXPECT_EQ(dataset.guarantee, Guarantee::unknown);
+  EXPECT_NE(dataset.provenance.find("nothing shown beyond 128 m"), std::string::npos);
+}
+
 TEST(Quake3Bsp, RefusesBadTrees) {
   Quake quake;
   quake.nodes[3][1] = 0;

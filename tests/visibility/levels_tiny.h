@@ -47,6 +47,8 @@ struct Quake {
   std::vector<std::array<std::uint32_t, 2>> shaders = {{0, 1}};  // flags: surface, contents
   std::array<char, 4> magic = {'I', 'B', 'S', 'P'};
   std::int32_t version = 46, clusters = 3, row_bytes = 8;
+  std::string entities = "{}";
+  std::vector<std::array<float, 4>> planes;  // one a node: x, y, z, distance; none: nobody asks where a point lies
   std::vector<std::array<std::int32_t, 2>> nodes = {{1, 2}, {-2, -3}, {3, -5}, {-4, -6}};
   std::vector<Leaf> leafs = {{0, {0, 0, 0, 0, 0, 0}, 0, 0},  // no node leads here
                              {0, {0, 0, 0, 64, 64, 64}, 0, 2},    {1, {64, 0, 0, 128, 64, 64}, 2, 2},
@@ -77,14 +79,16 @@ struct Quake {
 
   std::array<Bytes, 17> lumps() const {
     std::array<Bytes, 17> lumps;
-    put_text(lumps[0], "{}", 3);
+    put_text(lumps[0], entities, entities.size() + 1);
+    lumps[2] = bytes_of(planes);
     for (const auto& [surface, contents] : shaders) {
       put_text(lumps[1], "textures/base", 64);
       put(lumps[1], surface);
       put(lumps[1], contents);
     }
-    for (const auto& node : nodes) {
-      for (const std::int32_t field : {0, node[0], node[1], 0, 0, 0, 0, 0, 0}) put(lumps[3], field);
+    for (std::int32_t i = 0; const auto& node : nodes) {
+      const std::int32_t plane = planes.empty() ? 0 : i++;
+      for (const std::int32_t field : {plane, node[0], node[1], 0, 0, 0, 0, 0, 0}) put(lumps[3], field);
     }
     for (const Leaf& leaf : leafs) {
       put(lumps[4], leaf.cluster);

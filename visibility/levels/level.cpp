@@ -44,7 +44,13 @@ Dataset level_dataset(const Level& level, LevelMatrix matrix, LevelTree tree) {
   if (faces && level.mover_faces > 0) {
     dataset.provenance += ", " + std::to_string(level.mover_faces) + " faces of movers filed under cluster 0";
   }
-  dataset.guarantee = faces && level.mover_faces > 0 ? Guarantee::unknown : Guarantee::conservative;
+  if (level.far_plane > 0) {
+    char limit[64];
+    std::snprintf(limit, sizeof limit, ", nothing shown beyond %g m", static_cast<double>(level.far_plane));
+    dataset.provenance += limit;
+  }
+  dataset.guarantee =
+      (faces && level.mover_faces > 0) || level.far_plane > 0 ? Guarantee::unknown : Guarantee::conservative;
   dataset.row_bounds = level.cell_bounds;
   dataset.column_bounds = faces ? level.face_bounds : level.cell_bounds;
   dataset.row_neighbours = level.cell_neighbours;

@@ -8,6 +8,7 @@
 #include "matrix/dataset.h"
 #include "matrix/object_tree.h"
 #include "matrix/visibility_matrix.h"
+#include "visibility/levels/level_places.h"
 #include "visibility/scene.h"
 
 namespace vismat {
@@ -23,6 +24,8 @@ struct Level {
   std::vector<Box> cell_bounds;   // one a cell; [0, 0] where the level gives a cell no place
   VisibilityMatrix cell_neighbours;
   ObjectTree cell_tree;  // the level's own BSP tree over the cells; without nodes where the level has none
+  LevelPlaces places;    // which cell a point lies in (Quake only)
+  float far_plane = 0;   // metres: `cells` may leave out what is farther away; 0: no such limit
 
   // Faces (Quake only): those that some leaf with a cluster refers to, ascending by id. Column f of what
   // face_visibility makes, object f of the scene and of the tree is face face_ids[f] of the file.

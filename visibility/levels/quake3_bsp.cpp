@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <glm/vec3.hpp>
@@ -29,7 +30,9 @@ namespace vismat {
 namespace {
 
 enum LumpNumber {
+  entities_lump = 0,
   shaders_lump = 1,
+  planes_lump = 2,
   nodes_lump = 3,
   leafs_lump = 4,
   leaffaces_lump = 5,
@@ -373,6 +376,46 @@ class FaceGeometry {
   Scene scene_;
 };
 
+// How far the compiler let anything be seen, by the first entity's keys, in metres; 0: without limit.
+float far_plane_of(const Lumps& lumps) {
+  std::string_view world(reinterpret_cast<const char*>(lumps[entities_lump].data()), lumps[entities_lump].size());
+  world = world.substr(0, world.find('}'));
+  for (const std::string_view key : {"\"_farplanedist\"", "\"fogclip\"", "\"distancecull\""}) {
+    const std::size_t at = world.find(key);
+    if (at == std::string_view::npos) continue;
+    const std::string_view rest = world.substr(at + key.size());
+    const std::size_t quote = rest.find('"');
+    if (quote == std::string_view::npos) continue;
+    float units = 0;
+    std::from_chars(rest.data() + quote + 1, rest.data() + rest.size(), units);
+    return std::isfinite(units) ? std::max(0.0f, units * metres_per_level_unit) : 0;
+  }
+  return 0;
+}
+
+// Planes in metres; none at all where the lump is empty, which no compiler leaves so.
+LevelPlaces places_of(const Lumps& lumps, std::span<const Node> nodes, std::span<const Leaf> leafs) {
+  LevelPlaces places;
+  places.planes = records_of<LevelPlaces::Plane>(lumps, planes_lump);
+  if (places.planes.empty()) return {};
+  for (std::size_t i = 0; i < places.planes.size(); ++i) {
+    LevelPlaces::Plane& plane = places.planes[i];
+    plane.distance *= metres_per_level_unit;
+    if (!std::isfinite(plane.normal.x + plane.normal.y + plane.normal.z + plane.distance)) {
+      refuse(planes_lump, "plane", i, "is not finite");
+    }
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!in_range(nodes[i].plane, 1, places.planes.size())) {
+      refuse(nodes_lump, "node", i,
+             "plane " + std::to_string(nodes[i].plane) + " of only " + std::to_string(places.planes.size()));
+    }
+    places.nodes.push_back({static_cast<std::uint32_t>(nodes[i].plane), nodes[i].children});
+  }
+  for (const Leaf& leaf : leafs) places.cell_of_leaf.push_back(leaf.cluster);
+  return places;
+}
+
 // Rows of leafs: the cluster of each.
 VisibilityMatrix clusters_of_leafs(std::span<const Leaf> leafs, std::uint32_t clusters) {
   std::vector<std::vector<std::uint32_t>> rows(leafs.size());
@@ -396,9 +439,12 @@ Level parse_quake3_bsp(std::span<const std::byte> file) {
   const auto leaffaces = records_of<std::int32_t>(lumps, leaffaces_lump);
   const auto faces = records_of<Face>(lumps, faces_lump);
   check_leafs(leafs, clusters, leaffaces.size());
+  const auto node_records = records_of<Node>(lumps, nodes_lump);
   std::vector<BspChildren> nodes;
-  for (const Node& node : records_of<Node>(lumps, nodes_lump)) nodes.push_back(node.children);
+  for (const Node& node : node_records) nodes.push_back(node.children);
   const auto walk = walk_bsp(nodes, 0, static_cast<std::uint32_t>(leafs.size()), name_of(nodes_lump));
+  level.places = places_of(lumps, node_records, leafs);
+  level.far_plane = far_plane_of(lumps);
 
   // Cells: places from the leafs that the walk reached.
   std::vector<Leaf> places;

@@ -1,0 +1,35 @@
+// In which cell of a level a point lies.
+#pragma once
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "visibility/levels/level_tree.h"
+
+namespace vismat {
+
+/// The level's own BSP tree with its planes; metres. Empty where a level has none.
+struct LevelPlaces {
+  struct Plane {
+    glm::vec3 normal{};
+    float distance = 0;  // in front: dot(normal, x) >= distance
+  };
+  struct Node {
+    std::uint32_t plane = 0;
+    BspChildren children{};
+  };
+  std::vector<Plane> planes;
+  std::vector<Node> nodes;                 // the first is the root
+  std::vector<std::int32_t> cell_of_leaf;  // negative: within walls, or outside of all
+};
+
+/// Part of a segment, from and to in [0, 1] along it.
+struct Stay {
+  std::int32_t cell = -1;
+  double from = 0, to = 1;
+};
+/// The cells that a segment passes, in order; neighbouring parts in one cell are one. Needs places.
+std::vector<Stay> stays_along(const LevelPlaces& places, const glm::dvec3& from, const glm::dvec3& to);
+std::int32_t cell_at(const LevelPlaces& places, const glm::dvec3& point);
+
+}  // namespace vismat
