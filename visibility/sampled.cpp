@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numeric>
@@ -486,6 +487,16 @@ VisibilityMatrix dense_reference(const AimedRays& rays, const ViewCells& cells,
   std::vector<std::vector<std::uint32_t>> rows;
   for (std::span<const std::byte> bytes : pieces) rows.push_back(take<std::uint32_t>(bytes));
   return VisibilityMatrix::from_rows(rows, rays.scene().object_count);
+}
+
+std::string describe(const SampledOptions& o) {
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "rays: cube maps of 6 x %u^2, %llu aimed a cell and round, at most %u rounds, enough %g, seed %llu",
+      o.resolution, static_cast<unsigned long long>(o.rays), o.rounds, static_cast<double>(o.enough_yield),
+      static_cast<unsigned long long>(o.seed));
+  return text;
 }
 
 }  // namespace vismat

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "visibility/aimed_rays.h"
@@ -35,6 +36,9 @@ Sight see_by_sampling(const AimedRays& rays, const ViewCells& cells, const Sampl
                       const VisibilityMatrix* not_hidden = nullptr);
 Sight see_by_sampling(const Scene& scene, const ViewCells& cells, const SampledOptions& options, Crew& crew,
                       const Progress& progress = {}, const VisibilityMatrix* not_hidden = nullptr);
+
+/// One line that names every parameter.
+std::string describe(const SampledOptions& options);
 
 /// What rays that took no part in the search say of its result, for one cell.
 struct HeldBack {

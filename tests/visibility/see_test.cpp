@@ -41,7 +41,7 @@ TEST(See, BoundsLieInOneAnotherAndRaysLieBetween) {
   EXPECT_TRUE(within(better.not_hidden, quick.not_hidden));
   EXPECT_TRUE(within(better.seen, better.not_hidden));
   EXPECT_LT(better.not_hidden.ones(), quick.not_hidden.ones());
-  EXPECT_GT(better.seen.ones() * 10, better.not_hidden.ones() * 7);
+  EXPECT_GT(better.seen.ones() * 10, better.not_hidden.ones() * 6);
   EXPECT_LT(better.not_hidden.density(), 0.95);
 }
 
