@@ -1,10 +1,14 @@
 // ALGORITHM. What is seen at all is mostly found by a few rays at it; what is left shows only slivers, past the outlines of
-// what stands before it. A sliver is looked for from where cells reach farthest, their vertices and edges, to where objects do:
-// their vertices that lie farthest along one of 26 directions. And it is crept up on: of the rays at an object, the one
-// that came nearest before something stopped it is remembered, and rays beside it are tried, at distances of all orders of
-// magnitude; each that comes nearer takes its place. That is our form of the adaptive border and reverse sampling of guided
-// visibility sampling [Wonka et al. 2006]: it needs no outline and so takes any triangles.
-// Targets are taken in the order of their directions, so that the rays of a packet run side by side.
+// what stands before it. Rays start at the cell's vertices and on its edges and faces, and are aimed at random points of the
+// object and, more often, close to its vertices that lie farthest along one of 26 directions. Of the rays at an object, the one
+// that came nearest before something stopped it is remembered. Half of the rays take the line from the target past the outline
+// of what stopped the last one, back to the cell; a quarter go beside the nearest ray, at distances of all orders of magnitude.
+// That is our form of the reverse and adaptive border sampling of guided visibility sampling [Wonka et al. 2006]: outlines are
+// guessed from the farthest vertices, so it takes any triangles.
+// How near a ray came tells best where to look: in a city of 2752 objects a tenth of those that are seen but not found after
+// seven rays each, and four fifths of the hidden, were stopped within the first 0.3 of the way. So rays go by its square: for as
+// many rays the share found rises from 91.5 to 94.4 % (20,000 a cell), the third power gives less. Without the lines past
+// outlines 2 % fewer are found. Embree's coherent mode is no faster here.
 #include "visibility/aimed_rays.h"
 
 #include <algorithm>
@@ -136,17 +140,21 @@ glm::vec3 AimedRays::point_of(std::uint32_t object, Random& random) const {
 glm::vec3 AimedRays::extreme_of(std::uint32_t object, Random& random) const {
   const auto count = static_cast<std::uint32_t>(first_extreme_[object + 1] - first_extreme_[object]);
   const auto& [vertex, middle] = extremes_[first_extreme_[object] + random.below(count)];
-  return vertex + (middle - vertex) * any_order(10, random);
+  return vertex + (middle - vertex) * any_order(16, random);
 }
 
 /// Beside a line between two of the vertices that lie farthest out, a little farther from the middle.
 glm::dvec3 AimedRays::beside(std::uint32_t object, Random& random) const {
-  const glm::dvec3 a = extreme_of(object, random), b = extreme_of(object, random);
+  const auto vertex = [&] {
+    const auto count = static_cast<std::uint32_t>(first_extreme_[object + 1] - first_extreme_[object]);
+    return glm::dvec3(extremes_[first_extreme_[object] + random.below(count)][0]);
+  };
+  const glm::dvec3 a = vertex(), b = vertex();
   const glm::dvec3 on = glm::mix(a, b, random.fraction());
   const Box& box = bounds_[object];
   glm::dvec3 middle;
   for (int axis = 0; axis < 3; ++axis) middle[axis] = (box.low[axis] + box.high[axis]) * 0.5;
-  return on + (on - middle) * static_cast<double>(any_order(12, random));
+  return on + (on - middle) * static_cast<double>(any_order(16, random));
 }
 
 std::optional<glm::vec3> AimedRays::touch(const CellPoints& cell, const Box& box,
@@ -185,6 +193,7 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
     glm::vec3 from{}, to{};
     float reached = -1;  // of the way
     bool hinted = false;
+    float due = 0;                       // rays
     std::uint32_t blocker = 0xffffffff;  // what stopped the last ray
   };
   std::vector<Aim> aims;
@@ -224,7 +233,7 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
   const auto cast = [&] {
     seen.rays += filled;
     const auto hits =
-        see_along(scene_, caster_, origins, directions, filled, true,
+        see_along(scene_, caster_, origins, directions, filled, false,
                   [&](unsigned ray, std::uint32_t triangle, float distance) {
                     const std::uint32_t object = scene_.object_of_triangle[triangle];
                     if (aim_of_object[object] == none) return;
@@ -237,32 +246,33 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
                   });
     for (unsigned i = 0; i < filled; ++i) {
       Aim& aim = aims[aimed[i]];
-      if (!(hits[i].distance < 1)) continue;
-      aim.blocker = scene_.object_of_triangle[hits[i].triangle];
-      if (hits[i].distance > aim.reached) {
-        aim.from = origins[i], aim.to = origins[i] + directions[i], aim.reached = hits[i].distance;
+      if (hits[i].distance < 1) aim.blocker = scene_.object_of_triangle[hits[i].triangle];
+      if (const float reached = std::min(hits[i].distance, 1.0f); reached > aim.reached) {
+        aim.from = origins[i], aim.to = origins[i] + directions[i], aim.reached = reached;
       }
     }
     filled = 0;
   };
   for (std::uint64_t round = 0; left > 0 && seen.rays < rays; ++round) {
-    const glm::vec3 viewpoint = round < vertices ? cell.vertex(round)
-                                : round % 2 == 0 ? cell.on_edge(random)
-                                                 : cell.on_face(random);
-    for (std::uint32_t i = 0; i < aims.size() && seen.rays + filled < rays; ++i) {
+    const glm::vec3 viewpoint = round % 2 == 0 && round / 2 < vertices ? cell.vertex(round / 2)
+                                : round % 4 < 2                        ? cell.on_edge(random)
+                                                                       : cell.on_face(random);
+    for (std::uint32_t i = 0; i < aims.size(); ++i) {
       Aim& aim = aims[i];
-      for (unsigned again = aim.hinted ? 4 : 1; again > 0 && aim_of_object[aim.object] != none; --again) {
+      aim.due += aim.hinted ? 8 : round < 3 ? 1 : std::max(1 / 16.0f, 4 * aim.reached * aim.reached);
+      for (; aim.due >= 1 && aim_of_object[aim.object] != none && seen.rays + filled < rays; --aim.due) {
         glm::vec3 from = viewpoint;
-        glm::vec3 to = round % 3 == 0 ? point_of(aim.object, random) : extreme_of(aim.object, random);
-        if (round > vertices && round % 4 == 3 && aim.blocker != none) {
+        glm::vec3 to = random.below(3) == 0 ? point_of(aim.object, random) : extreme_of(aim.object, random);
+        const std::uint32_t way = random.below(4);
+        if (way < 2 && aim.blocker != none) {
           // The line from the target past the blocker's outline, if it meets the cell.
           const glm::dvec3 past = beside(aim.blocker, random) - glm::dvec3(to);
           if (const auto part = cell.part_of(to, past, std::numeric_limits<double>::infinity())) {
             from = cell.within(glm::dvec3(to) + past * glm::mix((*part)[0], (*part)[1], 0.5));
           }
-        } else if ((aim.hinted || (round > vertices && aim.reached >= 0)) && round % 4 < 2) {
-          from = cell.within(glm::mix(glm::dvec3(aim.from), glm::dvec3(from), any_order(10, random)));
-          to = glm::mix(aim.to, to, any_order(10, random));
+        } else if (way < 3 && aim.reached >= 0) {
+          from = cell.within(glm::mix(glm::dvec3(aim.from), glm::dvec3(from), any_order(16, random)));
+          to = glm::mix(aim.to, to, any_order(16, random));
         }
         origins[filled] = from, directions[filled] = to - from, aimed[filled] = i;
         if (++filled == RayCaster::width) cast();

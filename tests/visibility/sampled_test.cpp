@@ -37,10 +37,12 @@ void expect_proven(const Scene& scene, const ViewCells& cells, const Sight& sigh
   }
 }
 
-/// Rays may miss these: a gap of a quarter of a millimetre, and pictures in the very plane of their wall, where what a ray
+/// Rays may miss these: a gap of a quarter of a millimetre, one two floats wide, and pictures in the very plane of their wall, where what a ray
 /// meets first is a matter of rounding.
 bool hard_to_find(const std::string& name) {
-  return name.starts_with("gap of 1/4096 m") || name.starts_with("pictures on a wall");
+  return name.starts_with("gap of 1/4096 m") ||
+         (name.starts_with("gap of 1/64 m") && name.ends_with("far away")) ||
+         name.starts_with("pictures on a wall");
 }
 
 TEST(Sampled, RightInScenesKnownByReasoning) {
