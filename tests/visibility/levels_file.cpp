@@ -5,6 +5,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "matrix/atomic_file.h"
 #include "matrix/byte_reader.h"
@@ -12,6 +15,7 @@
 #include "visibility/levels/level_file.h"
 #include "visibility/levels/pk3.h"
 #include "visibility/levels/quake3_bsp.h"
+#include "visibility/levels/shader_script.h"
 
 namespace vismat {
 namespace {
@@ -60,6 +64,33 @@ TEST_F(LevelFile, ReadsEachKind) {
             "Quake 3 (IBSP 46): 3 clusters, each sees 77.8 % of them on average; 5 faces of 36 triangles; a "
             "tree of 7 nodes");
   EXPECT_EQ(summary(doom), "Doom: 3 sectors, each sees 77.8 % of them on average; a tree of 5 nodes");
+}
+
+TEST(ShaderScript, TellsWhatIsSeenThrough) {
+  std::set<std::string> names;
+  add_see_through_shaders(
+      "textures/a/Grate // comment {\n{\n surfaceparm metalsteps\n{ map a.tga\n alphaFunc GE128 } }\n"
+      "textures/a/lit{{map $lightmap}{map b.tga\nblendFunc filter}}\n"
+      "/* textures/a/none { */ textures/a/glow {\n{\nmap c.tga\nBLENDFUNC add\n}\n}\n"
+      "textures/a/pane\n{ surfaceparm trans }\ntextures/a/wall { surfaceparm nomarks trans { map d } }",
+      names);
+  EXPECT_EQ(names, (std::set<std::string>{"textures/a/grate", "textures/a/glow", "textures/a/pane"}));
+  for (const char* odd : {"", "}", "}}{{{", "a{{{{alphafunc", "/*", "//", "surfaceparm trans"}) {
+    add_see_through_shaders(odd, names);
+  }
+  EXPECT_EQ(names.size(), 3u);
+}
+
+TEST_F(LevelFile, ScriptsOfItsOwnPackageCount) {
+  const auto see_through = [&](const std::string& script) {
+    tiny::Bytes bytes;
+    tiny::put_text(bytes, script, script.size());
+    return read_level(write("s.pk3", tiny::zip({{"scripts/a.shader", bytes, true},
+                                                {"maps/one.bsp", tiny::Quake().bytes()}})) + ":maps/one.bsp")
+        .face_scene.see_through;
+  };
+  EXPECT_EQ(see_through("textures/base { { map a.tga alphafunc gt0 } }"), std::vector<std::uint8_t>(5, 1));
+  EXPECT_TRUE(see_through("textures/other { { map a.tga alphafunc gt0 } }").empty());
 }
 
 TEST_F(LevelFile, ListsLevels) {

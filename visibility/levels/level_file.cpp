@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "visibility/levels/doom_wad.h"
 #include "visibility/levels/pk3.h"
 #include "visibility/levels/quake3_bsp.h"
+#include "visibility/levels/shader_script.h"
 
 namespace vismat {
 namespace {
@@ -40,6 +42,22 @@ std::vector<std::byte> read_whole(const std::filesystem::path& path) {
                              " bytes; a level file has at most " + std::to_string(most_file_bytes));
   }
   return read_file(path);
+}
+
+Level level_of_pk3(const Pk3& pk3, const std::string& map) {
+  const std::vector<std::byte> level = pk3.read(map);
+  std::set<std::string> see_through_shaders;
+  std::uint64_t bytes = 0;
+  for (const std::string& name : pk3.scripts()) {
+    const std::vector<std::byte> script = pk3.read(name);
+    if ((bytes += script.size()) > Pk3::most_member_bytes) {
+      throw FormatError("its shader scripts unpack to more than " + std::to_string(Pk3::most_member_bytes) +
+                        " bytes");
+    }
+    add_see_through_shaders({reinterpret_cast<const char*>(script.data()), script.size()},
+                            see_through_shaders);
+  }
+  return parse_quake3_bsp(level, see_through_shaders);
 }
 
 // "FILE.pk3:maps/NAME.bsp" into its two halves; the second is empty where there is none.
@@ -82,7 +100,7 @@ Level read_level(const std::string& where) {
                       (levels.empty() ? "" : "; name one, such as " + levels.front().where));
   }
   try {
-    Level level = kind == Kind::zip    ? parse_quake3_bsp(Pk3(file).read(map))
+    Level level = kind == Kind::zip    ? level_of_pk3(Pk3(file), map)
                   : kind == Kind::doom ? parse_doom_map(read_whole(file), map)
                                        : parse_quake3_bsp(read_whole(file));
     level.name = file.filename().string() + (map.empty() ? "" : ":" + map);

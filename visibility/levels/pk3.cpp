@@ -18,8 +18,7 @@ std::string reason(int code) {
   return text;
 }
 
-bool ends_in_bsp(const std::string& name) {
-  constexpr std::string_view ending = ".bsp";
+bool ends_in(const std::string& name, std::string_view ending) {
   return name.size() > ending.size() &&
          std::equal(ending.rbegin(), ending.rend(), name.rbegin(),
                     [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
@@ -54,15 +53,25 @@ Pk3::Pk3(std::span<const std::byte> bytes) {
   archive_ = std::make_shared<Archive>(zip);
 }
 
-std::vector<Pk3::Map> Pk3::maps() const {
-  std::vector<Map> maps;
+std::vector<Pk3::Map> Pk3::members(std::string_view ending) const {
+  std::vector<Map> found;
   const zip_int64_t members = zip_get_num_entries(archive_->zip, 0);
   for (zip_int64_t i = 0; i < members; ++i) {
     zip_stat_t status;
     if (zip_stat_index(archive_->zip, static_cast<zip_uint64_t>(i), ZIP_FL_ENC_RAW, &status) != 0) continue;
-    if (ends_in_bsp(status.name)) maps.push_back({status.name, status.size});
+    if (ends_in(status.name, ending)) found.push_back({status.name, status.size});
   }
-  return maps;
+  return found;
+}
+
+std::vector<Pk3::Map> Pk3::maps() const {
+  return members(".bsp");
+}
+
+std::vector<std::string> Pk3::scripts() const {
+  std::vector<std::string> names;
+  for (Map& script : members(".shader")) names.push_back(std::move(script.name));
+  return names;
 }
 
 std::vector<std::byte> Pk3::read(const std::string& member) const {

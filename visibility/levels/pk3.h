@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vismat {
@@ -25,11 +26,13 @@ class Pk3 {
     std::string name;
     std::uint64_t bytes = 0;  // as the directory claims
   };
-  std::vector<Map> maps() const;  // members that end in .bsp, in the archive's order
+  std::vector<Map> maps() const;             // members that end in .bsp, in the archive's order
+  std::vector<std::string> scripts() const;  // members that end in .shader, in the archive's order
   /// By exact name; where there is none the message lists the first maps there are.
   std::vector<std::byte> read(const std::string& member) const;
 
  private:
+  std::vector<Map> members(std::string_view ending) const;
   struct Archive;
   std::shared_ptr<Archive> archive_;
 };

@@ -230,10 +230,15 @@ VisibilityMatrix cluster_neighbours(std::vector<Leaf> places, std::uint32_t clus
 // One scene object a call to add(): grows the scene by a face's triangles and tells where they are.
 class FaceGeometry {
  public:
-  explicit FaceGeometry(const Lumps& lumps)
+  FaceGeometry(const Lumps& lumps, const std::set<std::string>& see_through_shaders)
       : shaders_(records_of<Shader>(lumps, shaders_lump)),
         vertices_(records_of<Vertex>(lumps, vertexes_lump)),
         meshverts_(records_of<std::int32_t>(lumps, meshverts_lump)) {
+    for (Shader& shader : shaders_) {
+      std::string name(shader.name, ::strnlen(shader.name, sizeof shader.name));
+      for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+      if (see_through_shaders.contains(name)) shader.contents |= contents_translucent;
+    }
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       if (!finite(vertices_[i].position)) refuse(vertexes_lump, "vertex", i, "its position is not finite");
     }
@@ -427,7 +432,7 @@ VisibilityMatrix clusters_of_leafs(std::span<const Leaf> leafs, std::uint32_t cl
 
 }  // namespace
 
-Level parse_quake3_bsp(std::span<const std::byte> file) {
+Level parse_quake3_bsp(std::span<const std::byte> file, const std::set<std::string>& see_through_shaders) {
   const Lumps lumps = read_directory(file);
   Level level;
   level.format = "Quake 3 (IBSP 46)";
@@ -474,7 +479,7 @@ Level parse_quake3_bsp(std::span<const std::byte> file) {
       if (leaf.cluster >= 0) column_of_face[face] = 0;
     }
   }
-  FaceGeometry geometry(lumps);
+  FaceGeometry geometry(lumps, see_through_shaders);
   for (std::uint32_t face = 0; face < faces.size(); ++face) {
     if (column_of_face[face] == unused) continue;
     column_of_face[face] = static_cast<std::uint32_t>(level.face_ids.size());
