@@ -9,6 +9,7 @@
 #include "cli/verbs.h"
 #include "matrix/parallel.h"
 #include "visibility/aimed_rays.h"
+#include "visibility/any_scene.h"
 #include "visibility/scene_file.h"
 
 namespace vismat::cli {
@@ -46,7 +47,7 @@ void run(const Arguments& arguments) {
     throw std::invalid_argument("--resize must be above 0 and at most 1000");
   }
   const CellsChoice choice = parse_cells(arguments.cells);
-  SceneFile file = read_scene(arguments.scene);
+  SceneFile file = read_any_scene(arguments.scene).file;
   const RayCaster caster(file.scene);
   const AimedRays rays(file.scene, caster);
   ChosenCells chosen =
@@ -91,7 +92,9 @@ void add_cells(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("cells", "Make view cells for a scene, wherever a viewer can be");
   verb->footer(
       "Example: vismat cells city.scene.h5 --cells grid:4,4,1.5 --region 0,0,1,640,640,2.5 -o grid.scene.h5");
-  verb->add_option("SCENE", arguments->scene, "A scene file, .scene.h5")->required();
+  verb->add_option("SCENE", arguments->scene,
+                   "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake-3 level")
+      ->required();
   add_cells_options(*verb, arguments->cells);
   verb->add_option("--resize", arguments->resize,
                    "Each cell so many times as large about its middle: the same places, other cells")

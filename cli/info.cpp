@@ -88,6 +88,9 @@ void print_scene(const SceneFile& file) {
   line("vertices", grouped(file.scene.vertices.size()));
   line("triangles", grouped(file.scene.indices.size() / 3));
   line("objects", grouped(file.scene.object_count));
+  if (const auto& clear = file.scene.see_through; !clear.empty()) {
+    line("see-through", grouped(static_cast<std::uint64_t>(std::count(clear.begin(), clear.end(), 1))) + " objects");
+  }
   const auto range = formatted("%g to %g m above the ground", file.cells.eye_low, file.cells.eye_high);
   line("view cells", grouped(file.cells.count()) + (file.cells.count() == 0 ? "" : ", eyes " + range));
   line("neighbours", file.cells.neighbours ? grouped(file.cells.neighbours->ones() / 2) + " pairs" : "none");

@@ -7,8 +7,8 @@
 
 #include "cli/progress.h"
 #include "cli/verbs.h"
+#include "visibility/any_scene.h"
 #include "visibility/ray_sampling.h"
-#include "visibility/scene_file.h"
 
 namespace vismat::cli {
 namespace {
@@ -20,7 +20,7 @@ struct Arguments {
 };
 
 void run(const Arguments& arguments) {
-  SceneFile file = read_scene(arguments.scene);
+  SceneFile file = read_any_scene(arguments.scene).file;
   if (arguments.nodes && !file.tree) {
     throw std::invalid_argument(arguments.scene + ": has no tree, so --nodes cannot be; use --objects");
   }
@@ -58,7 +58,9 @@ void add_see(CLI::App& app) {
   verb->footer(
       "What is found is really visible; slivers may be missed (guarantee: aggressive).\n"
       "Example: vismat see city32.scene.h5 -o city32.bsp.h5");
-  verb->add_option("scene", arguments->scene, "A scene file, as 'vismat city' writes it")->required();
+  verb->add_option("scene", arguments->scene,
+                   "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake-3 level")
+      ->required();
   verb->add_option("-o,--output", arguments->output, "The matrix to write (.bsp.h5 or .mtx)")->required();
   const auto add = [&](const char* name, auto& value, const char* help) {
     verb->add_option(name, value, help)->capture_default_str();

@@ -1,3 +1,4 @@
+// A reader by the name's ending, then axes and units of meshes, then welding and objects.
 #include "visibility/any_scene.h"
 
 #include <algorithm>

@@ -16,6 +16,8 @@
 #include "matrix/atomic_file.h"
 #include "matrix/byte_reader.h"
 #include "tests/matrix/temporary_folder.h"
+#include "tests/visibility/levels_tiny.h"
+#include "visibility/any_scene.h"
 #include "visibility/city.h"
 #include "visibility/components.h"
 
@@ -390,6 +392,37 @@ TEST(Components, AreNumberedByTheirFirstTriangleAndKeepGlassApart) {
   split_into_triangles(single);
   EXPECT_EQ(single.object_of_triangle, (std::vector<std::uint32_t>{0, 1, 2, 3}));
   EXPECT_EQ(single.see_through, (std::vector<std::uint8_t>{0, 1, 0, 1}));
+}
+
+TEST(AnyScene, TakesLevelsAndSceneFiles) {
+  const TemporaryFolder folder;
+  tiny::Quake quake;
+  quake.shaders = {{0, 1}, {0, 0x20000001}};
+  quake.faces[1].shader = 1;  // a triangle of glass over half of face 0
+  write_file(folder / "one.bsp", quake.bytes());
+  using enum AnySceneOptions::Objects;
+  AnySceneOptions options;
+  const AnyScene faces = read_any_scene(folder / "one.bsp");
+  EXPECT_EQ(faces.file.scene.object_count, 5u);
+  EXPECT_EQ(faces.file.scene.see_through, (std::vector<std::uint8_t>{0, 1, 0, 0, 0}));
+  EXPECT_EQ(faces.file.provenance, "one.bsp, Quake 3 (IBSP 46)");
+  EXPECT_EQ(faces.welded, WeldCounts{});
+  options.objects = components;
+  const AnyScene parts = read_any_scene(folder / "one.bsp", options);
+  EXPECT_EQ(parts.file.scene.object_count, 2u) << "what is opaque all touches";
+  EXPECT_EQ(parts.file.scene.see_through, (std::vector<std::uint8_t>{0, 1}));
+  EXPECT_EQ(parts.file.scene.object_of_triangle.size(), 36u);
+
+  SceneFile city = make_city({});
+  write_scene(folder / "city.scene.h5", city);
+  EXPECT_TRUE(read_any_scene(folder / "city.scene.h5").file.tree.has_value());
+  const SceneFile split = read_any_scene(folder / "city.scene.h5", options).file;
+  EXPECT_FALSE(split.tree.has_value());
+  EXPECT_EQ(split.cells.corners, city.cells.corners);
+  EXPECT_EQ(split.scene.object_of_triangle, city.scene.object_of_triangle);
+  options.y_up = true;
+  EXPECT_THROW(read_any_scene(folder / "city.scene.h5", options), std::invalid_argument);
+  EXPECT_ANY_THROW(read_any_scene(folder / "no.bsp"));
 }
 
 }  // namespace
