@@ -162,13 +162,6 @@ inline std::vector<Codec> codecs_here(const std::vector<std::string>& names) {
   return codecs;
 }
 
-/// What stands in a table already, or its first line.
-inline std::string table_begin(const std::filesystem::path& path, std::string_view first_line, bool append) {
-  if (!append || !std::filesystem::exists(path)) return std::string(first_line);
-  const std::vector<std::byte> bytes = read_file(path);
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 constexpr std::pair<std::string_view, MergeSide> merge_sides[] = {
     {"cells", MergeSide::rows}, {"objects", MergeSide::columns}, {"both", MergeSide::both}};
 

@@ -23,6 +23,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "matrix/atomic_file.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat::bench {
@@ -130,6 +131,13 @@ inline std::string quoted(std::string_view text) {
   std::ostringstream out;
   out << std::quoted(text, '"', '"');
   return out.str();
+}
+
+/// What stands in a table already, or its first line.
+inline std::string table_begin(const std::filesystem::path& path, std::string_view first_line, bool append) {
+  if (!append || !std::filesystem::exists(path)) return std::string(first_line);
+  const std::vector<std::byte> bytes = read_file(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 /// "artificial-1" of "out/data/artificial-1.bsp.h5".

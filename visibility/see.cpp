@@ -121,19 +121,28 @@ BoundsOptions effort(unsigned level) {
 Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, Crew& crew,
                  const Stages& stages) {
   const Shadows shadows(scene, find_occluders(scene, options.occluders));
+  std::optional<RayCaster> caster;
+  std::optional<AimedRays> rays;
+  if (options.sampled) {
+    caster.emplace(scene);
+    rays.emplace(scene, *caster);
+  }
+  return see_bounds(shadows, rays ? &*rays : nullptr, cells, options, crew, stages);
+}
+
+Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells& cells,
+                 const BoundsOptions& options, Crew& crew, const Stages& stages) {
+  const auto objects = static_cast<std::uint32_t>(shadows.bounds().size());
+  if (!options.sampled) rays = nullptr;
   const std::vector<Objects> around = lists_of(
       for_cells("shadows", shadows, cells, options.shadow, crew, begin_stage(stages, "casting shadows"),
                 [&](std::uint32_t cell, Shadows::View& view, Crew::Piece& piece) {
                   put<std::uint32_t>(piece, view.not_hidden(convex_of(cells, cell)));
                 }));
   Sight sight;
-  sight.not_hidden = VisibilityMatrix::from_rows(around, scene.object_count);
-  sight.seen = VisibilityMatrix::from_rows(std::vector<Objects>(cells.count()), scene.object_count);
-  std::optional<RayCaster> caster;
-  std::optional<AimedRays> rays;
+  sight.not_hidden = VisibilityMatrix::from_rows(around, objects);
+  sight.seen = VisibilityMatrix::from_rows(std::vector<Objects>(cells.count()), objects);
   if (options.sampled) {
-    caster.emplace(scene);
-    rays.emplace(scene, *caster);
     VisibilityMatrix not_hidden = std::move(sight.not_hidden);
     sight = see_by_sampling(*rays, cells, *options.sampled, crew, begin_stage(stages, "looking around"),
                             &not_hidden);
@@ -151,13 +160,14 @@ Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions
         Random random(rays ? options.sampled->seed : 0, cell);
         Shadows::View::Look look;
         if (rays && options.patch_rays > 0) {
-          look = [&](const Patch& patch, std::span<const std::uint32_t> objects) {
+          look = [&](const Patch& patch, std::span<const std::uint32_t> targets) {
             const CellPoints points(convex_plate(patch.corners, patch.beyond->normal));
-            AimedRays::Seen now = rays->from(points, objects, options.patch_rays, Random(random.next()));
+            AimedRays::Seen now = rays->from(points, targets, options.patch_rays, Random(random.next()));
             cast += now.rays;
             Objects found;
             for (const SeenObject& object : now.objects) {
-              if (!whole.contains(object.line.from)) continue;  // a sloping patch's point, off by its rounding
+              if (!whole.contains(object.line.from))
+                continue;  // a sloping patch's point, off by its rounding
               found.push_back(object.object);
               seen.push_back(object);
             }

@@ -29,6 +29,10 @@ BoundsOptions effort(unsigned level);
 /// Sight::degree and Sight::lines as see_by_sampling() gives them. Same scene, cells and options, same result, for any crew, on one kind of CPU.
 Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, Crew& crew,
                  const Stages& stages = {});
+/// The same with what was made before, of one scene; options.occluders is not looked at. `rays` may be null without
+/// options.sampled.
+Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells& cells,
+                 const BoundsOptions& options, Crew& crew, const Stages& stages = {});
 
 /// One line that names every parameter.
 std::string describe(const BoundsOptions& options);

@@ -188,18 +188,18 @@ struct Shadows::View::Work {
     }
   }
 
-  glm::dvec3 best_point(const Convex& cell, std::span<const std::uint32_t> objects) {
-    std::vector<Shrinkage> shrinking;
+  std::vector<Shrinkage> shrinking(const Convex& cell, std::span<const std::uint32_t> objects) {
+    std::vector<Shrinkage> all;
     for (const std::uint32_t object : objects) {
       for (std::uint32_t i = data.first_occluder[object]; i < data.first_occluder[object + 1]; ++i) {
         const Occluder& occluder = data.occluders[i];
         if (!apart(cell, occluder.shape, data.gap, occluder.flat)) continue;
         planes.clear();
         supporting_planes(cell, occluder.shape, occluder.flat, planes);
-        if (const auto shrinks = shrinkage(cell, occluder, planes)) shrinking.push_back(*shrinks);
+        if (const auto shrinks = shrinkage(cell, occluder, planes)) all.push_back(*shrinks);
       }
     }
-    return projection_point(cell, shrinking, *options.best_point);
+    return all;
   }
 
   /// From `point` of the cell, over the whole scene.
@@ -263,8 +263,13 @@ Shadows::View::~View() = default;
 std::vector<std::uint32_t> Shadows::View::not_hidden(const Convex& cell) {
   std::vector<glm::dvec3> points = projection_points(cell, std::max(1u, work_->options.points));
   Objects left = work_->look_around(cell, points[0], false);
+  const ShadowOptions& options = work_->options;
+  if (options.only_point) {
+    return work_->look_around(cell, options.only_point(cell, work_->shrinking(cell, left)), false);
+  }
   const Objects around = left;
-  if (work_->options.best_point) points.push_back(work_->best_point(cell, around));
+  if (options.best_point)
+    points.push_back(projection_point(cell, work_->shrinking(cell, around), *options.best_point));
   for (std::size_t i = 1; i < points.size(); ++i) {
     work_->look_at(work_->whole, cell, points[i], around, false);
     std::erase_if(left, [&](std::uint32_t object) { return work_->whole.hides(work_->data.bounds[object]); });

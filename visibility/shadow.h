@@ -19,7 +19,9 @@ struct ShadowOptions {
   std::uint32_t points =
       1;  // projection points whose shadows are joined: 1 (centre), 9 (and corners), 27 (and edges, faces)
   std::optional<ProjectionObjective>
-      best_point;             // one more point, found for the occluders that the first shows
+      best_point;  // one more point, found for the occluders that the first shows
+  /// The only point instead, for comparison: given the cell and how the occluders shrink that its centre shows. A point of the cell.
+  std::function<glm::dvec3(const Convex&, std::span<const Shrinkage>)> only_point;
   std::uint32_t patches = 0;  // views from patches of the cell's boundary, at most; 0: the whole cell at once
   std::uint32_t patch_resolution = 256;
 };

@@ -1,0 +1,162 @@
+// Over-estimation and missed objects against milliseconds a view cell, for every producer.
+//
+//   visibility_tables --csv FILE [--places N] SCENE ...
+//
+// Scenes by name (bench/visibility_study.h), or files. View cells are some at each of a few places, since sampling shares rays between
+// neighbours; times are those of one thread by the processor's clock, a cell, median and range over the places. What a
+// scene's occluders and ray tree take stands apart. Every line is compared with rays first: an object that a run hides and a
+// ray reaches is told, and ends the program with 1.
+#include <CLI/CLI.hpp>
+
+#include "bench/visibility_study.h"
+#include "matrix/atomic_file.h"
+#include "visibility/projection_point.h"
+
+namespace {
+
+using namespace vismat;
+using namespace vismat::bench;
+
+struct Options {
+  std::vector<std::string> scenes;
+  std::filesystem::path csv;
+  std::uint32_t places = 4, each = 4;
+  bool append = false, long_runs = false;
+};
+
+/// Any point of the cell, with equal chance.
+glm::dvec3 random_point(const Convex& cell, Random& random) {
+  glm::dvec3 low = cell.vertices[0], high = low;
+  for (const glm::dvec3& vertex : cell.vertices) {
+    for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], vertex[k]), high[k] = std::max(high[k], vertex[k]);
+  }
+  for (;;) {
+    glm::dvec3 point;
+    for (int k = 0; k < 3; ++k) point[k] = low[k] + random.fraction() * (high[k] - low[k]);
+    if (std::all_of(cell.faces.begin(), cell.faces.end(), [&](const Convex::Face& face) {
+          return glm::dot(face.normal, point) <= face.offset + 1e-9;
+        })) {
+      return point;
+    }
+  }
+}
+
+void add_shadows(Study& study, const Shadows& shadows, double preparing_ms) {
+  const auto shadow = [&](const std::string& settings, const ShadowOptions& options,
+                          const char* producer = "shadow") {
+    BoundsOptions bounds;
+    bounds.shadow = options;
+    study.run(
+        producer, settings, true, false,
+        [&](const ViewCells& cells, Crew& crew) { return see_bounds(shadows, nullptr, cells, bounds, crew); },
+        preparing_ms);
+  };
+  for (const std::uint32_t resolution : {128, 256, 512, 1024}) {
+    ShadowOptions options;
+    options.resolution = resolution;
+    shadow(
+        std::to_string(resolution) + " px" + (resolution == effort(0).shadow.resolution ? " (effort 0)" : ""),
+        options);
+  }
+  ShadowOptions options = effort(0).shadow;
+  for (const std::uint32_t points : {9, 27}) {
+    options.points = points;
+    shadow(std::to_string(points) + " points", options);
+  }
+  options.points = 1;
+  shadow("centre", options, "point");
+  options.only_point = [random = Random(9)](const Convex& cell, std::span<const Shrinkage>) mutable {
+    return random_point(cell, random);
+  };
+  shadow("random", options, "point");
+  for (const auto& [name, objective] : {std::pair("apexes (published)", ProjectionObjective::apexes),
+                                        std::pair("areas (ours)", ProjectionObjective::areas)}) {
+    options.only_point = [objective = objective](const Convex& cell, std::span<const Shrinkage> occluders) {
+      return projection_point(cell, occluders, objective);
+    };
+    shadow(name, options, "point");
+    ShadowOptions with_centre = effort(0).shadow;
+    with_centre.best_point = objective;
+    shadow(std::string(name) + " and centre", with_centre, "point");
+  }
+}
+
+void add_rays(Study& study, const Shadows& shadows, double preparing_ms, bool long_runs) {
+  for (const std::uint64_t budget : {500, 2000, 20000, 100000}) {
+    SampledOptions options;
+    options.rays = budget;
+    study.run("sampled", std::to_string(budget) + " rays a round", false, true,
+              [&](const ViewCells& cells, Crew& crew) {
+                return see_by_sampling(study.rays(), cells, options, crew);
+              });
+  }
+  const auto sandwich = [&](const std::string& settings, const BoundsOptions& options) {
+    study.run(
+        "sandwich", settings, true, true,
+        [&](const ViewCells& cells, Crew& crew) {
+          return see_bounds(shadows, &study.rays(), cells, options, crew);
+        },
+        preparing_ms);
+  };
+  BoundsOptions options = effort(1);
+  for (const std::uint32_t patches : {0, 12}) {
+    options.shadow.patches = patches;
+    sandwich(std::to_string(patches) + " patches", options);
+  }
+  sandwich("effort 1", effort(1));
+  options = effort(2);
+  options.shadow.patches = 150;
+  sandwich("150 patches", options);
+  sandwich("effort 2", effort(2));
+  if (long_runs) {
+    options.shadow.patches = 2000;
+    sandwich("2000 patches", options);
+  }
+}
+
+std::uint64_t run(const Options& options) {
+  std::string csv = table_begin(options.csv, Study::header, options.append);
+  std::uint64_t wrong = 0;
+  for (const std::string& name : options.scenes) {
+    const SceneFile file = study_scene(name);
+    const double busy = processor_seconds();
+    const Shadows shadows(file.scene, find_occluders(file.scene));
+    const double preparing_ms = 1e3 * (processor_seconds() - busy);
+    Study study(scene_name(name), file.scene, places_of(file.cells, options.places, options.each));
+    add_shadows(study, shadows, preparing_ms);
+    add_rays(study, shadows, preparing_ms, options.long_runs);
+    const std::string lines = study.lines(wrong);
+    std::printf("%s", lines.c_str());
+    std::fflush(stdout);
+    csv += lines;
+    if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
+  }
+  return wrong;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Over-estimation and missed objects against milliseconds a view cell, for every producer");
+  Options options;
+  app.add_option("SCENES", options.scenes, "dense-city, box-city, plant, soup, tilted-boxes, or a file")
+      ->required();
+  app.add_option("--csv", options.csv, "Written beside the table");
+  app.add_flag("--append", options.append, "Add to that file");
+  app.add_option("--places", options.places, "Spread over the scene")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--cells", options.each, "At each place")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_flag("--long", options.long_runs, "More patches too");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    if (const std::uint64_t wrong = run(options)) {
+      std::fprintf(stderr, "visibility_tables: %ju objects are hidden that rays reach\n",
+                   std::uintmax_t{wrong});
+      return 1;
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "visibility_tables: %s\n", error.what());
+    return 1;
+  }
+}
