@@ -1,4 +1,4 @@
-// ALGORITHM. Each piece of ground (all level triangles of one height, or one sloping triangle) is a polygon in the plan. Whatever
+// ALGORITHM. Each piece of ground (level triangles of one height that meet, or one sloping triangle) is a polygon in the plan. Whatever
 // of the scene lies within a viewer's height above it is clipped to that band, laid into the plan, grown by the radius and
 // taken away; a wall, which has no area in the plan, becomes a strip, so that inside and outside of a closed building fall
 // apart and nothing need be known of which side of a triangle is solid. What rises no higher than a step and is walkable is
@@ -9,11 +9,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -27,7 +29,8 @@
 namespace vismat {
 namespace {
 
-constexpr double grid = 1e-3;  // metres; corners in the plan are rounded to it, which keeps GEOS from slivers
+constexpr double grid =
+    1e-3;  // metres; corners in the plan are rounded to it, and thinner triangles left out
 
 [[noreturn]] void refuse(const std::string& what) {
   throw std::invalid_argument("ground cells: " + what);
@@ -188,15 +191,107 @@ std::vector<glm::dvec2> grown(const std::vector<glm::dvec2>& polygon, double rad
   return convex_hull(std::move(corners));
 }
 
-/// One polygon or several from polygons that may overlap.
-Geos::Geometry joined(const Geos& geos, const std::vector<std::vector<glm::dvec2>>& polygons) {
+double area_of(const Corners& corners) {
+  return 0.5 * std::abs(cross(glm::dvec2(corners[1] - corners[0]), glm::dvec2(corners[2] - corners[0])));
+}
+
+using Polygon = std::vector<glm::dvec2>;
+
+/// Fewer polygons, counter-clockwise, that cover the same: none twice, and rectangles along an axis joined end to end. Walls
+/// come as many of those, and their union by GEOS is most of the work.
+std::vector<Polygon> fewer(std::vector<Polygon> polygons) {
+  std::vector<std::array<double, 4>> rectangles;  // low and high across, low and high along
+  std::vector<Polygon> others;
+  for (Polygon& polygon : polygons) {
+    for (glm::dvec2& corner : polygon) corner = glm::round(corner / grid) * grid;
+    polygon = convex_hull(std::move(polygon));  // from its least corner on, so equal ones are equal
+    if (polygon.size() < 3) continue;
+    const glm::dvec2 &low = polygon[0], &high = polygon[2];
+    if (polygon.size() == 4 && polygon[1] == glm::dvec2(high.x, low.y) &&
+        polygon[3] == glm::dvec2(low.x, high.y)) {
+      rectangles.push_back({low.x, high.x, low.y, high.y});
+    } else {
+      others.push_back(std::move(polygon));
+    }
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    std::sort(rectangles.begin(), rectangles.end());
+    std::vector<std::array<double, 4>> longer;
+    for (const auto& r : rectangles) {
+      if (!longer.empty() && longer.back()[0] == r[0] && longer.back()[1] == r[1] &&
+          r[2] <= longer.back()[3]) {
+        longer.back()[3] = std::max(longer.back()[3], r[3]);
+      } else {
+        longer.push_back(r);
+      }
+    }
+    rectangles.clear();
+    for (const auto& r : longer) rectangles.push_back({r[2], r[3], r[0], r[1]});
+  }
+  const auto before = [](const Polygon& p, const Polygon& q) {
+    return std::lexicographical_compare(
+        p.begin(), p.end(), q.begin(), q.end(),
+        [](const auto& a, const auto& b) { return std::tie(a.x, a.y) < std::tie(b.x, b.y); });
+  };
+  std::sort(others.begin(), others.end(), before);
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  for (const auto& r : rectangles) others.push_back({{r[0], r[2]}, {r[1], r[2]}, {r[1], r[3]}, {r[0], r[3]}});
+  return others;
+}
+
+/// One polygon or several from convex polygons that may overlap. Not GEOS's own rounding to a grid: it made half of the time,
+/// a third alone by seeding random numbers for every operation.
+Geos::Geometry joined(const Geos& geos, std::vector<Polygon> polygons) {
   std::vector<GEOSGeometry*> parts;
-  for (const auto& polygon : polygons) {
+  for (const Polygon& polygon : fewer(std::move(polygons))) {
     parts.push_back(GEOSGeom_createPolygon_r(geos.context(), geos.ring(polygon), nullptr, 0));
   }
   const auto all = geos.own(GEOSGeom_createCollection_r(geos.context(), GEOS_MULTIPOLYGON, parts.data(),
                                                         static_cast<unsigned>(parts.size())));
-  return geos.own(GEOSUnaryUnionPrec_r(geos.context(), all.get(), grid));
+  return geos.own(GEOSUnaryUnion_r(geos.context(), all.get()));
+}
+
+/// Adds the triangles of polygons, which are halved where there are many holes (GEOS joins them in quadratic time) or where
+/// GEOS fails: before 3.12 it does, or leaves parts out, where a hole touches the outline in a point.
+void triangulate_in_parts(const Geos& geos, const GEOSGeometry& polygons, std::vector<Triangle>& triangles) {
+  constexpr int most_holes = 64;
+  const GEOSContextHandle_t context = geos.context();
+  for (int i = 0; i < GEOSGetNumGeometries_r(context, &polygons); ++i) {
+    const GEOSGeometry* polygon = GEOSGetGeometryN_r(context, &polygons, i);
+    std::array<double, 2> low{}, high{};
+    double area = 0;
+    GEOSArea_r(context, polygon, &area);
+    if (!(area > grid * grid)) continue;  // lines and points have none
+    if (GEOSGetNumInteriorRings_r(context, polygon) <= most_holes) {
+      try {
+        const std::vector<Triangle> all = triangulate(geos, *polygon);
+        double covered = 0;
+        for (const Triangle& t : all) covered += area_of({t[0], t[1], t[2]});
+        if (std::abs(covered - area) <= 1e-3 * area + grid) {
+          triangles.insert(triangles.end(), all.begin(), all.end());
+          continue;
+        }
+      } catch (const std::runtime_error&) {
+      }
+    }
+    GEOSGeom_getXMin_r(context, polygon, &low[0]);
+    GEOSGeom_getXMax_r(context, polygon, &high[0]);
+    GEOSGeom_getYMin_r(context, polygon, &low[1]);
+    GEOSGeom_getYMax_r(context, polygon, &high[1]);
+    const std::size_t axis = high[0] - low[0] >= high[1] - low[1] ? 0 : 1;
+    if (high[axis] - low[axis] < 8 * grid) continue;  // nobody stands there
+    const double middle = std::round((low[axis] + high[axis]) / 2 / grid) * grid;
+    for (const bool upper : {false, true}) {
+      auto from = low, to = high;
+      (upper ? from : to)[axis] = middle;
+      const auto half = geos.own(GEOSGeom_createPolygon_r(
+          context,
+          geos.ring(std::array<glm::dvec2, 4>{
+              {{from[0], from[1]}, {to[0], from[1]}, {to[0], to[1]}, {from[0], to[1]}}}),
+          nullptr, 0));
+      triangulate_in_parts(geos, *geos.own(GEOSIntersection_r(context, polygon, half.get())), triangles);
+    }
+  }
 }
 
 /// What is left of a piece, at its height.
@@ -204,7 +299,7 @@ std::vector<Triangle> free_of_obstacles(const Surface& surface, const Bins& bins
                                         const GroundCellsOptions& options) {
   const Geos geos;
   const double low = 1e-3, high = double{(*options.viewers.eyes)[1]} + options.radius;
-  std::vector<std::vector<glm::dvec2>> ground, obstacles, steps;
+  std::vector<Polygon> ground, obstacles, steps;
   for (const std::uint32_t triangle : piece.triangles) {
     std::vector<glm::dvec2> plan;
     for (const glm::dvec3& c : surface.corners(triangle)) plan.emplace_back(c.x, c.y);
@@ -236,24 +331,50 @@ std::vector<Triangle> free_of_obstacles(const Surface& surface, const Bins& bins
     // A flat wall of many triangles leaves corners on straight edges; a quarter of the radius is given away for fewer.
     const auto in_the_way = geos.own(
         GEOSTopologyPreserveSimplify_r(geos.context(), joined(geos, obstacles).get(), options.radius / 4));
-    left = geos.own(GEOSDifferencePrec_r(geos.context(), left.get(), in_the_way.get(), grid));
+    left = geos.own(GEOSDifference_r(geos.context(), left.get(), in_the_way.get()));
   }
   if (!steps.empty()) {
-    left = geos.own(GEOSDifferencePrec_r(geos.context(), left.get(), joined(geos, steps).get(), grid));
+    left = geos.own(GEOSDifference_r(geos.context(), left.get(), joined(geos, steps).get()));
   }
-  if (GEOSisEmpty_r(geos.context(), left.get())) return {};
-  std::vector<Triangle> triangles = triangulate(geos, *left);
+  std::vector<Triangle> triangles;
+  triangulate_in_parts(geos, *left, triangles);
   for (Triangle& t : triangles) {
     for (glm::vec3& corner : t) corner.z = static_cast<float>(piece.plane.height(corner.x, corner.y));
   }
-  std::erase_if(triangles, [](const Triangle& t) {  // rounding to floats may have left no area
-    return !((t[1].x - t[0].x) * (t[2].y - t[0].y) > (t[1].y - t[0].y) * (t[2].x - t[0].x));
+  std::erase_if(triangles, [](const Triangle& t) {
+    const glm::dvec2 a(t[0]), b(t[1]), c(t[2]);
+    const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+    return !(cross(b - a, c - a) > grid * longest);
   });
   return triangles;
 }
 
-double area_of(const Corners& corners) {
-  return 0.5 * std::abs(cross(glm::dvec2(corners[1] - corners[0]), glm::dvec2(corners[2] - corners[0])));
+/// Triangles in groups, so that boxes of different groups do not meet in the plan.
+std::vector<std::vector<std::uint32_t>> touching_in_plan(std::vector<std::uint32_t>& triangles,
+                                                         const std::vector<Box>& boxes) {
+  std::sort(triangles.begin(), triangles.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(boxes[a].low[0], a) < std::pair(boxes[b].low[0], b);
+  });
+  std::vector<std::size_t> group(
+      triangles.size());  // a member of the same group, the group's first in the end
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  const auto first = [&](std::size_t i) {
+    while (group[i] != i) i = group[i] = group[group[i]];
+    return i;
+  };
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Box& a = boxes[triangles[i]];
+    for (std::size_t j = i + 1; j < triangles.size() && boxes[triangles[j]].low[0] <= a.high[0]; ++j) {
+      const Box& b = boxes[triangles[j]];
+      if (a.low[1] > b.high[1] || b.low[1] > a.high[1]) continue;
+      const auto [low, high] = std::minmax({first(i), first(j)});
+      group[high] = low;
+    }
+  }
+  std::vector<std::vector<std::uint32_t>> groups(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) groups[first(i)].push_back(triangles[i]);
+  std::erase_if(groups, [](const auto& some) { return some.empty(); });
+  return groups;
 }
 
 std::vector<Piece> pieces_of(const Surface& surface, const std::vector<Box>& boxes, const Box& region,
@@ -266,7 +387,19 @@ std::vector<Piece> pieces_of(const Surface& surface, const std::vector<Box>& box
     plane.bounds.low[2] = plane.bounds.high[2] = *options.height;
     return pieces;
   }
-  std::map<float, std::size_t> piece_of_height;
+  std::map<float, std::vector<std::uint32_t>> of_height;  // level triangles, for joining
+  const auto add_piece = [&](std::span<const std::uint32_t> triangles, const glm::dvec2& slope) {
+    Piece& piece = pieces.emplace_back();
+    piece.plane = {surface.corners(triangles[0])[0], slope};
+    piece.triangles.assign(triangles.begin(), triangles.end());
+    piece.bounds = boxes[triangles[0]];
+    for (const std::uint32_t triangle : triangles) {
+      for (unsigned axis = 0; axis < 2; ++axis) {
+        piece.bounds.low[axis] = std::min(piece.bounds.low[axis], boxes[triangle].low[axis]);
+        piece.bounds.high[axis] = std::max(piece.bounds.high[axis], boxes[triangle].high[axis]);
+      }
+    }
+  };
   for (std::uint32_t triangle = 0; triangle < boxes.size(); ++triangle) {
     const Box& box = boxes[triangle];
     if (!surface.walkable[triangle]) continue;
@@ -275,20 +408,16 @@ std::vector<Piece> pieces_of(const Surface& surface, const std::vector<Box>& box
       inside &= box.low[axis] >= region.low[axis] && box.high[axis] <= region.high[axis];
     }
     if (!inside) continue;
-    const Corners c = surface.corners(triangle);
-    const bool level = box.low[2] == box.high[2];
-    const auto [place, fresh] = level ? piece_of_height.try_emplace(box.low[2], pieces.size())
-                                      : std::pair(piece_of_height.end(), true);
-    if (fresh) {
+    if (box.low[2] == box.high[2]) {
+      of_height[box.low[2]].push_back(triangle);
+    } else {
+      const Corners c = surface.corners(triangle);
       const glm::dvec3 normal = glm::cross(c[1] - c[0], c[2] - c[0]);
-      pieces.push_back({{c[0], level ? glm::dvec2{} : glm::dvec2(-normal.x, -normal.y) / normal.z}, {}, box});
+      add_piece(std::span(&triangle, 1), glm::dvec2(-normal.x, -normal.y) / normal.z);
     }
-    Piece& piece = pieces[level ? place->second : pieces.size() - 1];
-    piece.triangles.push_back(triangle);
-    for (unsigned axis = 0; axis < 2; ++axis) {
-      piece.bounds.low[axis] = std::min(piece.bounds.low[axis], box.low[axis]);
-      piece.bounds.high[axis] = std::max(piece.bounds.high[axis], box.high[axis]);
-    }
+  }
+  for (auto& [height, triangles] : of_height) {
+    for (const auto& together : touching_in_plan(triangles, boxes)) add_piece(together, {});
   }
   std::erase_if(pieces, [&](const Piece& piece) {
     double area = 0;

@@ -9,9 +9,11 @@
 #include "matrix/random.h"
 #include "visibility/cells_choice.h"
 #include "visibility/city.h"
+#include "visibility/dense_city.h"
 #include "visibility/grid_cells.h"
 #include "visibility/ground_cells.h"
 #include "visibility/octree_cells.h"
+#include "visibility/ray_caster.h"
 
 namespace vismat {
 namespace {
@@ -394,6 +396,34 @@ TEST(GroundCells, ClimbStairsAndSlopes) {
   options = {};
   options.steepest = 20;
   EXPECT_EQ(cells_at(make_ground_cells(scene, options), -15.1f, 5.2f, -5), 0);
+}
+
+TEST(GroundCells, ViewersHaveRoomAndCellsDoNotOverlap) {
+  DenseCityOptions small;
+  small.size = 3;
+  small.interiors = 0.5f;
+  small.car_parks = 0.2f;
+  small.car_sides = 12;
+  const Scene scene = make_dense_city(small).scene;
+  const RayCaster caster(scene);
+  const GroundCellsOptions options;
+  const ViewCells cells = make_ground_cells(scene, options);
+  EXPECT_GT(area(cells), 1000);
+  Random random(1);
+  std::uint32_t tested = 0;
+  for (std::uint32_t cell = 0; cell < cells.prisms(); ++cell) {
+    const glm::vec3* c = &cells.corners[std::size_t{3} * cell];
+    const auto [i, j] = std::minmax({random.unit(), random.unit()});
+    const glm::vec3 feet = c[0] * i + c[1] * (j - i) + c[2] * (1 - j);
+    ASSERT_LE(cells_at(cells, feet.x, feet.y, feet.z), 2) << "two where the point lies on an edge";
+    tested += cells_at(cells, feet.x, feet.y, feet.z) == 1;
+    for (const float x : {-0.5f, 0.0f, 0.5f}) {  // some of the radius is given away for straight edges
+      const glm::vec3 at = feet + glm::vec3(x * options.radius, x * options.radius, options.step + 1e-3f);
+      ASSERT_GE(caster.hit(at, {0, 0, 1.6f - options.step}).distance, 1) << cell;
+    }
+    ASSERT_NEAR(caster.hit(feet + glm::vec3(0, 0, 0.2f), {0, 0, -1}).distance, 0.2f, 2e-3f) << "no ground";
+  }
+  EXPECT_GT(tested, cells.prisms() * 9 / 10);
 }
 
 TEST(GroundCells, TheSameForAnyNumberOfThreads) {
