@@ -117,6 +117,7 @@ TEST(Program, RefusesInOneLine) {
   }
   wrong.push_back({"city", "--size", "many", "-o", folder / "result.scene.h5"});
   wrong.push_back({"city", "--size", "4", "-o", folder / "no/folder.scene.h5"});
+  wrong.push_back({"cells", missing, "--cells", "grid:4m", "-o", folder / "result.scene.h5"});
   for (const auto& words : wrong) {
     const Finished run = vismat_program(words);
     std::string command = "vismat";
@@ -172,6 +173,19 @@ Dataset ring_of_clusters(std::uint32_t count) {
   dataset.matrix = VisibilityMatrix::from_rows(rows, count);
   dataset.guarantee = Guarantee::exact;
   return dataset;
+}
+
+TEST(Program, MakesViewCells) {
+  const TemporaryFolder folder;
+  const std::string city = folder / "city.scene.h5", cells = folder / "cells.scene.h5";
+  ASSERT_EQ(vismat_program({"city", "--size", "2", "-o", city}).code(), 0);
+  for (const std::string how : {"file", "grid:5", "ground:0", "octree:24:3"}) {
+    const Finished run = vismat_program({"cells", city, "--cells", how, "-o", cells});
+    EXPECT_EQ(run.code(), 0) << how << run.error;
+    EXPECT_NE(run.out.find(" view cells\n"), std::string::npos) << how << run.out;
+    EXPECT_EQ(run.out.find("evaluated") != std::string::npos, how.starts_with("octree")) << run.out;
+    EXPECT_EQ(vismat_program({"info", cells}).code(), 0) << how;
+  }
 }
 
 TEST(Program, CompressesReadsANodeAndRestores) {

@@ -15,6 +15,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const vismat::SceneFile scene = vismat::read_scene(folder / "in.h5");
     vismat::object_bounds(scene.scene);
     vismat::cell_bounds(scene.cells);
+    for (std::uint32_t cell = 0; cell < scene.cells.count() && cell < 16; ++cell) {
+      vismat::convex_of(scene.cells, cell);
+    }
     vismat::write_scene(folder / "out.h5", scene);
     vismat::read_scene(folder / "out.h5");
   } catch (const vismat::FormatError&) {

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <limits>
+#include <vector>
 
 #include "matrix/atomic_file.h"
 #include "matrix/byte_reader.h"
@@ -63,6 +66,69 @@ TEST(Scene, RoundTrip) {
   EXPECT_EQ(after.tree, before.tree);
   EXPECT_EQ(after.provenance, before.provenance);
   EXPECT_EQ(after.seed, before.seed);
+}
+
+TEST(Scene, RoundTripOfBoxesAndOfWhatIsSeenThrough) {
+  const TemporaryFolder folder;
+  SceneFile before = small_scene();
+  before.cells.boxes = {{{0, 0, 0}, {1, 2, 3}}, {{-4, 5, 6}, {-4, 5, 7}}};
+  before.cells.neighbours = VisibilityMatrix::from_rows({{1}, {0, 2}, {1}, {}}, 4);
+  before.scene.see_through = {0, 1};
+  write_scene(folder / "a.scene.h5", before);
+  const SceneFile after = read_scene(folder / "a.scene.h5");
+  EXPECT_EQ(after.cells.corners, before.cells.corners);
+  EXPECT_EQ(after.cells.boxes, before.cells.boxes);
+  EXPECT_EQ(after.cells.neighbours, before.cells.neighbours);
+  EXPECT_EQ(after.cells.count(), 4u);
+  EXPECT_EQ(after.scene.see_through, before.scene.see_through);
+}
+
+TEST(Scene, ReadsVersionOne) {
+  const TemporaryFolder folder;
+  {
+    Hdf5File file = Hdf5File::create(folder / "old.scene.h5");
+    const std::vector<float> vertices = {0, 0, 0, 1, 0, 0, 0, 0, 3}, corners = {0, 0, 0, 9, 0, 0, 9, 9, 0};
+    file.write<float>("/scene/vertices", vertices, {3, 3});
+    file.write<std::uint32_t>("/scene/triangles", std::array{0u, 1u, 2u}, {1, 3});
+    file.write<std::uint32_t>("/scene/object_of_triangle", std::array{0u}, {1});
+    file.write_attribute("/scene", "version", std::uint64_t{1});
+    file.write_attribute("/scene", "object_count", std::uint64_t{1});
+    file.write<float>("/cells/corners", corners, {3, 3});
+    file.write<float>("/cells/eye_heights", std::array{1.6f, 1.8f}, {2});
+    file.close();
+  }
+  const SceneFile old = read_scene(folder / "old.scene.h5");
+  EXPECT_EQ(old.scene.indices, (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_TRUE(old.scene.see_through.empty());
+  EXPECT_EQ(old.cells.count(), 1u);
+  EXPECT_TRUE(old.cells.boxes.empty());
+  EXPECT_EQ(old.cells.eye_high, 1.8f);
+}
+
+TEST(Scene, BoundsOfCellsAreThoseOfTheirSolids) {
+  ViewCells cells = small_scene().cells;
+  cells.boxes = {{{0, 0, 0}, {1, 2, 3}}, {{-4, 5, 6}, {-4, 5, 7}}};
+  for (const float factor : {1.0f, 0.5f, 3.0f}) {
+    const ViewCells other = factor == 1 ? cells : resized(cells, factor);
+    const std::vector<Box> bounds = cell_bounds(other);
+    for (std::uint32_t cell = 0; cell < other.count(); ++cell) {
+      const Convex solid = convex_of(other, cell);
+      for (unsigned axis = 0; axis < 3; ++axis) {
+        double low = solid.vertices[0][static_cast<int>(axis)], high = low;
+        for (const glm::dvec3& vertex : solid.vertices) {
+          low = std::min(low, vertex[static_cast<int>(axis)]);
+          high = std::max(high, vertex[static_cast<int>(axis)]);
+        }
+        EXPECT_FLOAT_EQ(static_cast<float>(low), bounds[cell].low[axis]);
+        EXPECT_FLOAT_EQ(static_cast<float>(high), bounds[cell].high[axis]);
+        const Box whole = cell_bounds(cells)[cell];
+        if (cell >= cells.prisms()) {
+          EXPECT_FLOAT_EQ(bounds[cell].high[axis] - bounds[cell].low[axis],
+                          factor * (whole.high[axis] - whole.low[axis]));
+        }
+      }
+    }
+  }
 }
 
 TEST(Scene, WhatIsNotKnownStaysUnknown) {
@@ -135,6 +201,28 @@ INSTANTIATE_TEST_SUITE_P(
                   f.cells.neighbours = VisibilityMatrix::from_rows({{1}, {}}, 2);
                 },
                 "/cells/neighbours"},
+        Hostile{"BoxUpsideDown",
+                [](SceneFile& f) {
+                  f.cells.boxes = {{{0, 0, 1}, {1, 1, 0}}};
+                },
+                "/cells/boxes, entry 0"},
+        Hostile{"NanBox",
+                [](SceneFile& f) {
+                  f.cells.boxes = {{}, {{0, 0, nan}, {1, 1, 1}}};
+                },
+                "/cells/boxes, entry 1"},
+        Hostile{"EndlessBox",
+                [](SceneFile& f) {
+                  f.cells.boxes = {{{0, 0, 0}, {1, infinity, 1}}};
+                },
+                "/cells/boxes, entry 0"},
+        Hostile{"NeighboursOfThePrismsAlone",
+                [](SceneFile& f) {
+                  f.cells.boxes = {{{0, 0, 0}, {1, 1, 1}}};
+                },
+                "/cells/neighbours"},
+        Hostile{"SeeThroughOfOtherObjects", [](SceneFile& f) { f.scene.see_through = {1}; },
+                "/scene/see_through: 1 entries"},
         Hostile{"TreeOfOtherObjects",
                 [](SceneFile& f) {
                   f.tree = ObjectTree::from_parents({ObjectTree::none, 0}, {0, 2}, 3);
