@@ -1,79 +1,297 @@
-// vismat see: a scene file to a visibility matrix, by rays.
+// vismat see: any triangles to a visibility matrix.
 #include <algorithm>
 #include <cstdio>
-#include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <stdexcept>
 
+#include "cli/cells_options.h"
+#include "cli/crew.h"
 #include "cli/progress.h"
+#include "cli/summary.h"
 #include "cli/verbs.h"
+#include "matrix/checksum.h"
 #include "visibility/any_scene.h"
+#include "visibility/levels_of_detail.h"
 #include "visibility/ray_sampling.h"
+#include "visibility/see.h"
 
 namespace vismat::cli {
 namespace {
 
 struct Arguments {
-  std::string scene, output;
-  RaySamplingOptions options;
+  std::string scene, output, seen, producer = "sandwich";
+  CellsWords cells;
+  unsigned effort = 1, threads = 0;
+  std::optional<std::uint32_t> points, patches, resolution, patch_resolution;
+  std::optional<std::uint64_t> rays, patch_rays;
+  std::uint64_t seed = 1;
+  RaySamplingOptions climbing;
   bool nodes = false, objects = false;
 };
 
+BoundsOptions bounds_options(const Arguments& arguments) {
+  const bool shadow = arguments.producer == "shadow";
+  BoundsOptions options = effort(arguments.effort);
+  if (shadow) {
+    options.sampled.reset();
+    options.patch_rays = 0;
+  } else if (!options.sampled) {
+    options.sampled.emplace();
+  }
+  const auto set = [](auto& value, const auto& wanted) {
+    if (wanted) value = *wanted;
+  };
+  set(options.shadow.points, arguments.points);
+  set(options.shadow.patches, arguments.patches);
+  set(options.shadow.resolution, arguments.resolution);
+  set(options.shadow.patch_resolution, arguments.patch_resolution);
+  if (options.sampled) {
+    set(options.sampled->rays, arguments.rays);
+    set(options.patch_rays, arguments.patch_rays);
+    options.sampled->seed = arguments.seed;
+  } else if (arguments.rays || arguments.patch_rays) {
+    throw std::invalid_argument("--rays and --patch-rays: the producer shadow casts none; take sandwich");
+  }
+  options.occluders.threads = arguments.threads;
+  return options;
+}
+
+/// The same crew; each stage's name begins with the prefix, since a name may stand once in a run.
+class Prefixed : public Crew {
+ public:
+  Prefixed(Crew& crew, std::string prefix) : crew_(crew), prefix_(std::move(prefix)) {}
+  std::vector<Piece> run(const std::string& stage, std::uint64_t count,
+                         const std::function<Piece(std::uint64_t)>& piece,
+                         const Progress& progress) override {
+    return crew_.run(prefix_ + stage, count, piece, progress);
+  }
+  bool leads() const override { return crew_.leads(); }
+
+ private:
+  Crew& crew_;
+  std::string prefix_;
+};
+
+Stages show_stages(const Crew& crew) {
+  if (!crew.leads()) return {};
+  return [](const char* stage) { return show_progress(stage); };
+}
+
+/// For the octree: triangles of each cell's vLOD, over what one shadow view does not hide.
+VisibleTriangles count_triangles(const Scene& scene, Crew& crew) {
+  return [&, level = 0, lods = std::shared_ptr<LevelsOfDetail>()](const ViewCells& cells) mutable {
+    if (!lods) {
+      lods = std::make_shared<LevelsOfDetail>(
+          scene, Screen{}, 0u, crew.leads() ? show_progress("simplifying objects") : Progress{});
+    }
+    Prefixed on_level(crew, "octree " + std::to_string(level++) + ", ");
+    const Sight sight = see_bounds(scene, cells, effort(0), on_level, show_stages(crew));
+    std::vector<std::uint64_t> triangles(cells.count());
+    for (std::uint32_t cell = 0; cell < cells.count(); ++cell) {
+      triangles[cell] = lods->visible_triangles(cells.boxes[cell], sight.not_hidden.row(cell));
+    }
+    return triangles;
+  };
+}
+
+std::uint32_t checksum_of(const SceneFile& file) {
+  const Scene& scene = file.scene;
+  std::vector<std::uint32_t> parts;
+  const auto add = [&](const auto& values) { parts.push_back(crc32(std::as_bytes(std::span(values)))); };
+  add(scene.vertices), add(scene.indices), add(scene.object_of_triangle), add(scene.see_through);
+  add(file.cells.corners), add(file.cells.boxes), add(std::array{file.cells.eye_low, file.cells.eye_high});
+  return crc32(std::as_bytes(std::span(parts)));
+}
+
+struct Output {
+  Dataset all;  // all but the matrix and how it was made
+  const Arguments& arguments;
+
+  void write(const std::string& path, VisibilityMatrix matrix, Guarantee guarantee, const std::string& made,
+             std::span<const SightLine> lines = {}, std::span<const float> degree = {}) const {
+    Dataset dataset = all;
+    dataset.matrix = std::move(matrix);
+    dataset.guarantee = guarantee;
+    dataset.provenance = made + "; of " + all.provenance;
+    for (const SightLine& line : lines) {
+      dataset.sight_lines.push_back({line.from.x, line.from.y, line.from.z, line.to.x, line.to.y, line.to.z});
+    }
+    dataset.degree_of_visibility.assign(degree.begin(), degree.end());
+    if (dataset.tree && !arguments.objects) dataset = over_nodes(dataset);
+    write_dataset(path, dataset);
+    const Shape shape = dataset.matrix.shape();
+    std::printf("%s: %s view cells x %s %ss, %.2f %% visible, %s\n", path.c_str(),
+                grouped(shape.rows).c_str(), grouped(shape.columns).c_str(), dataset.columns_are.c_str(),
+                100 * dataset.matrix.density(), std::string(to_string(guarantee)).c_str());
+  }
+};
+
+/// A line a state: how many objects of a cell, on average and at most.
+void print_states(const Sight& sight, bool rays) {
+  const Shape shape = sight.not_hidden.shape();
+  std::uint64_t most_seen = 0, most_undecided = 0, least_hidden = shape.columns;
+  for (std::uint32_t cell = 0; cell < shape.rows; ++cell) {
+    const std::uint64_t seen = sight.seen.row(cell).size(), not_hidden = sight.not_hidden.row(cell).size();
+    most_seen = std::max(most_seen, seen);
+    most_undecided = std::max(most_undecided, not_hidden - seen);
+    least_hidden = std::min(least_hidden, shape.columns - not_hidden);
+  }
+  const double rows = std::max(1u, shape.rows), columns = std::max(1u, shape.columns);
+  const auto tell = [&](const char* state, double mean, const char* extreme, std::uint64_t worst) {
+    std::printf("  %-10s %9.1f objects a cell, %6.2f %%; %s %s\n", state, mean, 100 * mean / columns, extreme,
+                grouped(worst).c_str());
+  };
+  const double seen = static_cast<double>(sight.seen.ones()) / rows,
+               not_hidden = static_cast<double>(sight.not_hidden.ones()) / rows;
+  if (rays) tell("seen", seen, "at most", most_seen);
+  tell("undecided", not_hidden - seen, "at most", most_undecided);
+  tell("hidden", columns - not_hidden, "at least", least_hidden);
+  if (rays) std::printf("  %s rays\n", grouped(sight.rays).c_str());
+}
+
+/// What rays that took no part in the search say of it.
+void print_error(const AimedRays& rays, const ViewCells& cells, const Sight& sight, std::uint64_t seed,
+                 Crew& crew) {
+  constexpr std::uint32_t rays_a_cell = 1000;
+  const auto held_back = held_back_error(rays, cells, sight.seen, rays_a_cell, seed, crew,
+                                         crew.leads() ? show_progress("checking by other rays") : Progress{});
+  if (!crew.leads()) return;
+  std::uint64_t all_rays = 0, missed_rays = 0, objects = 0, missed_objects = 0;
+  for (const HeldBack& cell : held_back) {
+    all_rays += cell.rays, missed_rays += cell.missed_rays;
+    objects += cell.objects, missed_objects += cell.missed_objects;
+  }
+  std::printf(
+      "  other rays: %.4f %% of the view shows what is not listed (below %.4f %% at 95 %% confidence), %.3f "
+      "%% of the objects they meet are not\n",
+      all_rays == 0 ? 0.0 : 100 * static_cast<double>(missed_rays) / static_cast<double>(all_rays),
+      100 * missed_at_most(missed_rays, all_rays),
+      objects == 0 ? 0.0 : 100 * static_cast<double>(missed_objects) / static_cast<double>(objects));
+}
+
+void run_climbing(const Arguments& arguments, const SceneFile& file, const Output& output) {
+  RaySamplingOptions options = arguments.climbing;
+  options.seed = arguments.seed;
+  options.threads = arguments.threads;
+  SeenByRays seen = see_by_rays(file.scene, file.cells, options, show_progress("looking around"));
+  std::uint64_t late = 0;
+  for (const std::uint32_t yield : seen.last_yield) late += yield;
+  const auto ones = static_cast<double>(std::max<std::uint64_t>(1, seen.objects.ones()));
+  output.write(arguments.output, std::move(seen.objects), Guarantee::aggressive, describe(options));
+  std::printf("  %s rays, the last pass found %.2f %%\n", grouped(seen.rays).c_str(),
+              100 * static_cast<double>(late) / ones);
+}
+
 void run(const Arguments& arguments) {
+  const auto crew = make_crew(arguments.threads);
+  const CellsChoice choice = parse_cells(arguments.cells);
+  const bool climbing = arguments.producer == "climbing", sampling = arguments.producer == "sampled";
+  const BoundsOptions options = bounds_options(arguments);
+  if (!arguments.seen.empty() && !options.sampled) {
+    throw std::invalid_argument("--seen: the producer shadow proves nothing seen; take sandwich");
+  }
+  if (!arguments.seen.empty() && (sampling || climbing)) {
+    throw std::invalid_argument("--seen: all that this producer writes is seen; -o has it");
+  }
   SceneFile file = read_any_scene(arguments.scene).file;
   if (arguments.nodes && !file.tree) {
     throw std::invalid_argument(arguments.scene + ": has no tree, so --nodes cannot be; use --objects");
   }
-  SeenByRays seen = see_by_rays(file.scene, file.cells, arguments.options, show_progress("looking around"));
-  std::uint64_t late = 0;
-  for (const std::uint32_t yield : seen.last_yield) late += yield;
-  const double share = seen.objects.ones() == 0
-                           ? 0
-                           : 100 * static_cast<double>(late) / static_cast<double>(seen.objects.ones());
+  const std::string made = sampling   ? describe(*options.sampled)
+                           : climbing ? describe(arguments.climbing)
+                                      : describe(options);
+  const std::string chosen = describe(choice);
+  const auto journal =
+      climbing
+          ? nullptr
+          : keep_journal(*crew, arguments.output,
+                         "see, scene " + std::to_string(checksum_of(file)) + "; " + chosen + "; " + made);
+  ChosenCells cells = choose_cells(file.scene, file.cells, choice, count_triangles(file.scene, *crew));
+  file.cells = std::move(cells.cells);
+  if (crew->leads()) std::fputs(cells.table.c_str(), stdout);
 
-  Dataset dataset;
-  dataset.matrix = std::move(seen.objects);
-  dataset.provenance = describe(arguments.options) + "; of " + file.provenance;
-  dataset.guarantee = Guarantee::aggressive;
-  dataset.seed = arguments.options.seed;
-  dataset.row_bounds = cell_bounds(file.cells);
-  dataset.column_bounds = object_bounds(file.scene);
-  dataset.row_neighbours = std::move(file.cells.neighbours);
-  dataset.tree = std::move(file.tree);
-  if (dataset.tree && !arguments.objects) dataset = over_nodes(dataset);
-  write_dataset(arguments.output, dataset);
-  const Shape shape = dataset.matrix.shape();
-  std::printf("%s: %u view cells x %u %s, %.2f %% visible; %llu rays, the last pass found %.2f %%\n",
-              arguments.output.c_str(), shape.rows, shape.columns,
-              dataset.columns_are_nodes ? "nodes" : "objects", 100 * dataset.matrix.density(),
-              static_cast<unsigned long long>(seen.rays), share);
+  Output output{{}, arguments};
+  output.all.provenance =
+      (std::holds_alternative<std::monostate>(choice) ? "" : chosen + "; ") + file.provenance;
+  output.all.seed = arguments.seed;
+  output.all.row_bounds = cell_bounds(file.cells);
+  output.all.column_bounds = object_bounds(file.scene);
+  output.all.row_neighbours = file.cells.neighbours;
+  output.all.tree = std::move(file.tree);
+
+  if (climbing) {
+    if (crew->leads()) run_climbing(arguments, file, output);
+  } else if (sampling) {
+    const RayCaster caster(file.scene);
+    const AimedRays rays(file.scene, caster);
+    const Sight sight = see_by_sampling(rays, file.cells, *options.sampled, *crew,
+                                        crew->leads() ? show_progress("looking around") : Progress{});
+    if (crew->leads()) {
+      output.write(arguments.output, sight.seen, Guarantee::aggressive, made, sight.lines, sight.degree);
+      std::printf("  %s rays\n", grouped(sight.rays).c_str());
+    }
+    print_error(rays, file.cells, sight, arguments.seed, *crew);
+  } else {
+    const Sight sight = see_bounds(file.scene, file.cells, options, *crew, show_stages(*crew));
+    if (crew->leads()) {
+      output.write(arguments.output, sight.not_hidden, Guarantee::conservative, made);
+      if (!arguments.seen.empty()) {
+        output.write(arguments.seen, sight.seen, Guarantee::aggressive, made, sight.lines, sight.degree);
+      }
+      print_states(sight, options.sampled.has_value());
+    }
+  }
+  if (journal) journal->remove();
 }
 
 }  // namespace
 
 void add_see(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  RaySamplingOptions& o = arguments->options;
-  CLI::App* verb = app.add_subcommand("see", "Find by rays which objects each view cell of a scene sees");
+  Arguments& a = *arguments;
+  CLI::App* verb = app.add_subcommand("see", "Find which objects each view cell of a scene sees");
   verb->footer(
-      "What is found is really visible; slivers may be missed (guarantee: aggressive).\n"
-      "Example: vismat see city32.scene.h5 -o city32.bsp.h5");
-  verb->add_option("scene", arguments->scene,
-                   "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake-3 level")
+      "shadow: what is listed includes all that is visible. sampled, climbing: all that is listed is "
+      "visible. sandwich: both; -o has what\n"
+      "is not proven hidden, --seen what is proven seen. A killed run goes on where it was; 'mpirun -n K "
+      "vismat see ...' shares the work.\n"
+      "Example: vismat see station.obj --cells grid:4 --eyes 1.5,1.8 -o station.bsp.h5 --seen "
+      "station.seen.bsp.h5");
+  verb->add_option("scene", a.scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake-3 level")
       ->required();
-  verb->add_option("-o,--output", arguments->output, "The matrix to write (.bsp.h5 or .mtx)")->required();
+  verb->add_option("-o,--output", a.output, "The matrix to write (.bsp.h5 or .mtx)")->required();
+  verb->add_option("--seen", a.seen, "The matrix of what is seen for sure, with its sight lines (sandwich)");
+  verb->add_option("--producer", a.producer,
+                   "How: by shadows, by rays, by both; climbing is for the paper's cities of boxes")
+      ->check(CLI::IsMember({"shadow", "sampled", "sandwich", "climbing"}))
+      ->capture_default_str();
+  add_cells_options(*verb, a.cells);
+  verb->add_option("--effort", a.effort,
+                   "0: one shadow view a cell; 1; 2: under 2 % undecided in a dense city")
+      ->check(CLI::Range(0u, 2u))
+      ->capture_default_str();
+  verb->add_option("--points", a.points, "Projection points of a cell: 1, 9 or 27 (by effort)");
+  verb->add_option("--patches", a.patches, "Views from patches of a cell's boundary, at most (by effort)");
+  verb->add_option("--resolution", a.resolution, "Pixels a side of a view's six faces (by effort)");
+  verb->add_option("--patch-resolution", a.patch_resolution, "The same for patches (by effort)");
+  verb->add_option("--rays", a.rays, "Aimed rays a cell and round, at most (sampled, sandwich)");
+  verb->add_option("--patch-rays", a.patch_rays, "Rays a patch (sandwich)");
   const auto add = [&](const char* name, auto& value, const char* help) {
     verb->add_option(name, value, help)->capture_default_str();
   };
-  add("--seed", o.seed, "Another seed, other rays");
-  add("--rays", o.directions, "Unaimed directions all around a viewpoint, in the first pass");
-  add("--viewpoints", o.origins, "Viewpoints an edge of a cell and pass");
-  add("--passes", o.passes, "At most");
-  add("--enough", o.enough_yield, "A cell rests when a pass adds less than this part of what it sees");
-  add("--threads", o.threads, "0: one a core; the result is the same for any number");
-  CLI::Option* nodes = verb->add_flag("--nodes", arguments->nodes,
+  add("--directions", a.climbing.directions,
+      "Of climbing: unaimed directions all around a viewpoint, in the first pass");
+  add("--viewpoints", a.climbing.origins, "Of climbing: viewpoints an edge of a cell and pass");
+  add("--passes", a.climbing.passes, "Of climbing: at most");
+  add("--enough", a.climbing.enough_yield,
+      "Of climbing: a cell rests when a pass adds less than this part of what it sees");
+  add("--seed", a.seed, "Another seed, other rays");
+  add("--threads", a.threads, "0: one a core; the result is the same for any number");
+  CLI::Option* nodes = verb->add_flag("--nodes", a.nodes,
                                       "One column a node of the scene's tree (the default where it has one)");
-  verb->add_flag("--objects", arguments->objects, "One column an object")->excludes(nodes);
+  verb->add_flag("--objects", a.objects, "One column an object")->excludes(nodes);
   verb->callback([arguments] { run(*arguments); });
 }
 

@@ -13,9 +13,10 @@ struct Plane {
   double offset = 0;
 };
 
-/// True if some face of one has all of the other in front of it. They may touch, since what a solid touches sees nothing
-/// through it; a flat occluder must lie more than `gap` metres away from the cell, all of which is on one side of it. Not every pair that lies
-/// apart is found so (two edges may keep them apart), which costs an occluder, never a visible object.
+/// True if some face of one has all of the other in front of it. They may touch: an eye is on no surface, so points of the cell
+/// on an occluder do not count, and from all others every sight line to what lies behind passes through it. A flat occluder must
+/// lie more than `gap` metres away from the cell, all of which is on one side of it. Not every pair that lies apart is found
+/// so (two edges may keep them apart), which costs an occluder, never a visible object.
 bool apart(const Convex& cell, const Convex& occluder, double gap, bool flat);
 
 /// Facets of the convex hull of both that touch both (without those through an edge of the cell if the occluder is flat:
