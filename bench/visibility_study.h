@@ -265,7 +265,7 @@ class Study {
       const auto cells = static_cast<double>(ids.size());
       const auto text = [](bool told, double value) { return told ? std::to_string(value) : std::string(); };
       std::string start = csv_line(name_, scene_.object_of_triangle.size(), scene_.object_count, ids.size(),
-                                   run.producer, quoted(run.settings));
+                                   run.producer, bench::quoted(run.settings));
       start.back() = ',';
       csv += start + run.cells_line() +
              csv_line(text(run.tells_hidden, not_hidden / cells), text(run.tells_seen, seen / cells),

@@ -1,0 +1,277 @@
+"""Visibility from view cells: over-estimation and missed objects against milliseconds, what accuracy depends on, where it fails.
+
+    bench/visibility_report.py [OUT [RECORDS]]   reads the tables that ./reproduce visibility had written to OUT/visibility; writes
+                                                 OUT/visibility.html, OUT/visibility/visibility.txt and OUT/visibility/*.png; prints
+                                                 the text; keeps text and tables, machine and commit in their first lines, in RECORDS
+
+Nothing here measures: every figure is read, or a sum or quotient of what is read.
+"""
+import pathlib
+import sys
+from dataclasses import dataclass
+
+import matplotlib
+
+if __name__ == "__main__":
+    matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy
+import pandas as pd
+
+import report_tools as tools
+from report_tools import PUBLISHED, bare, plain_ticks
+
+BLUE, RED, GREY, GREEN, ORANGE = "#1f4e79", "#b03a2e", "#777777", "#558b2f", "#ef6c00"
+LOOKS = {"shadow": (BLUE, "o"), "sampled": (ORANGE, "s"), "sandwich": (GREEN, "D")}
+BENCHMARK = "dense-city"
+# Setting, most ms a cell, most over-estimation, least share found, most undecided of all objects.
+GOALS = [("shadow", "256 px (effort 0)", 10, 2.0, None, None), ("sandwich", "effort 1", 150, 1.4, .95, None), ("sandwich", "effort 2", 1000, None, None, .02)]
+
+
+@dataclass
+class Results:
+    """A table of each program, as it wrote them, None where it was not run; and the published figures."""
+    tables: pd.DataFrame           # visibility_tables: a line a scene, producer and setting
+    failures: pd.DataFrame | None  # visibility_failures, this and the next
+    detail: pd.DataFrame | None
+    octree: pd.DataFrame | None    # octree_tables
+    published: pd.DataFrame
+
+
+def load(out):
+    folder = pathlib.Path(out) / "visibility"
+
+    def read(name):
+        return pd.read_csv(folder / f"{name}.csv", comment="#") if (folder / f"{name}.csv").exists() else None
+
+    return Results(read("tables"), read("failures"), read("detail"), read("octree"),
+                   pd.read_csv(PUBLISHED / "vlod2005_visibility.csv", comment="#").set_index("figure"))
+
+
+# ---- tables ----------------------------------------------------------------------------------------------------------------
+
+def show(value, form):
+    return "" if pd.isna(value) else form.format(value)
+
+
+def table_of_goals(results):
+    """The project's own goals, on the dense city."""
+    rows = []
+    of = results.tables[results.tables.scene == BENCHMARK].set_index(["producer", "settings"])
+    for tier, (producer, settings, ms, over, found, undecided) in enumerate(GOALS):
+        if (producer, settings) not in of.index:
+            continue
+        line = of.loc[producer, settings]
+        checks = [("ms a cell", line.ms_median, ms, "{:.1f}", "at most {:g}", line.ms_median <= ms)]
+        if over:
+            checks.append(("over-estimation", line.over_estimation, over, "{:.2f}x", "at most {:.1f}x", line.over_estimation <= over))
+        if found:
+            checks.append(("found", line.found, found, "{:.1%}", "at least {:.0%}", line.found >= found))
+        if undecided:
+            checks.append(("undecided", line.undecided, undecided, "{:.2%}", "at most {:.0%}", line.undecided <= undecided))
+        checks.append(("wrongly hidden", line.wrongly_hidden, 0, "{:.0f}", "{:g}", line.wrongly_hidden == 0))
+        for name, value, goal, form, goal_form, met in checks:
+            rows.append({"tier": f"{tier}: {producer}, {settings}", "what": name, "ours": form.format(value), "goal": goal_form.format(goal), "met": "yes" if met else "no"})
+    return pd.DataFrame(rows)
+
+
+def table_of_runs(results, scene):
+    of = results.tables[results.tables.scene == scene]
+    return pd.DataFrame([{"producer": row.producer, "settings": row.settings, "ms a cell\nmedian": f"{row.ms_median:.1f}", "least to most": f"{row.ms_least:.1f} to {row.ms_most:.1f}",
+                          "not hidden": show(row.not_hidden, "{:.1f}"), "seen": show(row.seen, "{:.1f}"), "reference": f"{row.reference:.1f}",
+                          "over-\nestimation": show(row.over_estimation, "{:.2f}x"), "found": show(row.found, "{:.1%}"),
+                          "undecided,\nof all objects": show(row.undecided if row.producer == "sandwich" else numpy.nan, "{:.2%}"),
+                          "wrongly\nhidden": show(row.wrongly_hidden, "{:.0f}")} for row in of.itertuples()])
+
+
+def table_of_points(results):
+    """What is not hidden from one projection point, against a random one."""
+    rows = []
+    points = results.tables[results.tables.producer == "point"]
+    for scene, of in points.groupby("scene", sort=False):
+        by = of.set_index("settings").not_hidden
+        rows.append({"scene": scene, "random": f"{by['random']:.1f}", **{name: f"{by[name]:.1f} ({1 - by[name] / by['random']:+.1%})" for name in by.index if name != "random"}})
+    table = pd.DataFrame(rows)
+    table.columns = [name.replace(" (published)", "\n(published's objective)").replace(" (ours)", "\n(our objective)") for name in table.columns]
+    return table
+
+
+def table_beside_published(results):
+    """The paper's figures, each beside what is nearest to it here."""
+    of = results.tables[results.tables.wrongly_hidden.notna()]
+    single = of[(of.producer == "shadow") & of.settings.str.contains("effort 0")]
+    published = results.published.words
+    rows = [("ms a view cell, one core", published.ms_a_cell, f"{single.ms_median.min():.1f} to {single.ms_median.max():.1f} ms", "effort 0, scenes of this page; 21 years of hardware lie between"),
+            ("over-estimation", published.over_estimation, f"{single.over_estimation.min():.2f} to {single.over_estimation.max():.2f} times", "effort 0; against 4 million rays a cell and more, not 125 points")]
+    points = results.tables[results.tables.producer == "point"].pivot_table(index="scene", columns="settings", values="not_hidden")
+    if len(points):
+        fewer = 1 - points["apexes (published)"] / points["random"]
+        rows.append(("fewer objects than from a random point", published.fewer, f"{fewer.min():.1%} to {fewer.max():.1%}", "the paper's objective; the table of projection points has ours"))
+    if results.octree is not None:
+        last = results.octree.loc[results.octree.groupby(["scene", "threshold"]).level.idxmax()]
+        last = last[last.stopped > 0]
+        share = last.stopped / last.kept
+        rows.append(("smallest octree cells above the threshold", published.stopped, f"{share.min():.0%} to {share.max():.0%}", "depends on threshold and levels, which the paper does not tell"))
+        rows.append(("their triangles, times the threshold", published.excess, f"{last.excess.min():.2f} to {last.excess.max():.2f}", ""))
+    return pd.DataFrame(rows, columns=["", "published", "ours", "note"])
+
+
+def table_of_failures(results, studies):
+    of = results.failures[results.failures.study.isin(studies)].fillna({"value": ""})
+    return pd.DataFrame([{"study": row.study, "": str(row.value), "occluders": row.settings, "triangles": f"{row.triangles:,}", "not hidden": f"{row.not_hidden:.1f}", "reference": f"{row.reference:.1f}",
+                          "over-\nestimation": f"{row.over_estimation:.2f}x", "wrongly\nhidden": f"{row.wrongly_hidden:.0f}", "ms a cell": f"{row.ms_median:.1f}"} for row in of.itertuples()])
+
+
+def table_of_detail(results):
+    return pd.DataFrame([{"error seen": row.rule, "objects": f"{row.objects:,}", "not the finest": f"{row.coarser:,}", "triangles, finest": f"{row.triangles_full:,}", "drawn": f"{row.triangles:,}",
+                          "pixels, median": f"{row.median_pixels:.3f}", "most": f"{row.most_pixels:.3f}", "over one pixel": f"{row.over_one_pixel:,}"} for row in results.detail.itertuples()])
+
+
+def table_of_octree(results):
+    rows = []
+    for row in results.octree.itertuples():
+        rows.append({"scene": row.scene, "threshold": f"{row.threshold:,}", "cells": f"{row.cells:,}", "triangles\na cell": f"{row.mean_triangles:,.0f}", "level": row.level, "side, m": f"{row.side:.1f}", "evaluated": f"{row.evaluated:,}",
+                     "kept": f"{row.kept:,}", "stopped": f"{row.stopped:,}", "of kept": f"{row.stopped / row.kept:.0%}" if row.kept else "", "excess": f"{row.excess:.2f}x" if row.stopped else ""})
+    return pd.DataFrame(rows)
+
+
+# ---- charts ----------------------------------------------------------------------------------------------------------------
+
+def draw_tiers(results):
+    """The headline: a column a scene; above over-estimation, below missed objects, against ms a cell."""
+    scenes = list(dict.fromkeys(results.tables.scene))
+    figure, all_axes = plt.subplots(2, len(scenes), figsize=(3.1 * len(scenes) + .8, 6.4), squeeze=False, layout="constrained", sharex="col")
+    for i, (scene, (above, below)) in enumerate(zip(scenes, all_axes.T)):
+        of = results.tables[results.tables.scene == scene]
+        for producer, (colour, marker) in LOOKS.items():
+            line = of[of.producer == producer].sort_values("ms_median")
+            above.plot(line.ms_median, line.over_estimation, color=colour, marker=marker, markersize=5, linewidth=.8, linestyle=":" if producer == "shadow" else "-")
+            missed = line[line.found.notna()]
+            below.plot(missed.ms_median, 100 * (1 - missed.found), color=colour, marker=marker, markersize=5, linewidth=.8)
+            for row in line.itertuples():
+                if "effort" in row.settings:
+                    above.annotate(row.settings[row.settings.index("effort") + 7], (row.ms_median, row.over_estimation), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8, fontweight="bold", color=colour)
+                    if not pd.isna(row.found):
+                        below.annotate(row.settings[row.settings.index("effort") + 7], (row.ms_median, 100 * (1 - row.found)), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8, fontweight="bold", color=colour)
+        if scene == BENCHMARK:
+            for tier, (_, _, ms, over, found, _) in enumerate(GOALS):
+                if over:
+                    above.plot(ms, over, marker="x", color=RED, markersize=7, markeredgewidth=1.8)
+                if found:
+                    below.plot(ms, 100 * (1 - found), marker="x", color=RED, markersize=7, markeredgewidth=1.8)
+        above.axhline(1, color=GREY, linewidth=.8)
+        above.set(xscale="log", yscale="log")
+        above.set_ylim(.95, max(2.2, 1.15 * of.over_estimation.max()))
+        below.set_xscale("log")
+        plain_ticks(above.yaxis, "x", (1, 1.5, 2, 3, 5) if of.over_estimation.max() < 12 else (1, 2, 5))
+        plain_ticks(below.xaxis, "", (1,))
+        below.set_ylim(0, None)
+        objects = of.objects.iloc[0]
+        above.set_title(f"{scene}\n{of.triangles.iloc[0]:,} triangles, {objects:,} objects", fontsize=9, loc="left")
+        below.set_xlabel("ms of one core a view cell")
+        if i == 0:
+            above.set_ylabel("objects not proven hidden,\ntimes the reference")
+            below.set_ylabel("visible objects missed, %")
+        for axes in (above, below):
+            bare(axes)
+            axes.grid(alpha=.25)
+    handles = [plt.Line2D([], [], color=colour, marker=marker, markersize=5, linewidth=.8, label={"shadow": "shadow (proves hidden)", "sampled": "sampled (proves seen)", "sandwich": "sandwich (both)"}[name]) for name, (colour, marker) in LOOKS.items()]
+    handles.append(plt.Line2D([], [], color=RED, marker="x", linestyle="", label="goals on the dense city; digits: --effort"))
+    figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(.5, -.01), ncols=4, fontsize=9, frameon=False)
+    return figure
+
+
+def draw_accuracy(results):
+    """Dense city: against raster, view cell and triangles, and by kind of occluder."""
+    failures = results.failures
+    studies = set(failures.study)
+    figure, all_axes = plt.subplots(1, 4, figsize=(15, 3.9), layout="constrained", width_ratios=(1, 1, 1, 1.2))
+    raster, cell, triangles, kinds = all_axes
+    if "raster" in studies:
+        of = failures[failures.study == "raster"]
+        raster.plot(of.settings.astype(float), of.over_estimation, color=BLUE, marker="o")
+        for row in of.itertuples():
+            raster.annotate(f"{row.ms_median:.0f} ms", (float(row.settings), row.over_estimation), xytext=(0, 6), textcoords="offset points", ha="center", fontsize=7)
+        raster.set(xscale="log", xlabel="pixels a side of the cube map's faces")
+        raster.set_xticks(of.settings.astype(float), of.settings.astype(str))
+        raster.xaxis.set_minor_locator(plt.NullLocator())
+        raster.set_ylim(1, 1.1 * of.over_estimation.max())
+    if "cell" in studies:
+        of = failures[failures.study == "cell"]
+        for producer, group in of.groupby("producer", sort=False):
+            cell.plot(group.value.astype(float), group.over_estimation, color=LOOKS[producer][0], marker=LOOKS[producer][1], label=group.settings.iloc[0])
+        cell.set(xscale="log", yscale="log", xlabel="side of the view cells, m")
+        cell.set_xticks([.5, 1, 2, 4, 8], ["0.5", "1", "2", "4", "8"])
+        cell.xaxis.set_minor_locator(plt.NullLocator())
+        plain_ticks(cell.yaxis, "x", (1, 1.5, 2, 3, 5))
+        cell.legend(fontsize=8, frameon=False)
+    if "triangles" in studies:
+        of = failures[failures.study == "triangles"]
+        for settings, group in of.groupby("settings", sort=False):
+            triangles.plot(group.value.astype(float), group.over_estimation, color=BLUE if settings == "occluders" else RED, marker="o", label={"occluders": "solids and flat faces"}.get(settings, settings))
+        triangles.set(xscale="log", yscale="log", xlabel="longest leg of the walls' triangles, m")
+        steps = sorted(of.value.astype(float).unique())
+        triangles.set_xticks(steps, [f"{step:g}" for step in steps])
+        triangles.xaxis.set_minor_locator(plt.NullLocator())
+        plain_ticks(triangles.yaxis, "x", (1, 2, 5))
+        triangles.legend(fontsize=8, frameon=False)
+    if "occluders" in studies:
+        of = failures[failures.study == "occluders"]
+        places = numpy.arange(len(of))[::-1]
+        kinds.barh(places, of.over_estimation, color=[RED if name == "single triangles" else BLUE for name in of.settings], height=.65)
+        for place, row in zip(places, of.itertuples()):
+            kinds.text(row.over_estimation, place, f" {row.over_estimation:.2f}x", va="center", fontsize=8)
+        kinds.set(yticks=places, xlabel="not proven hidden, times the reference", xscale="log", xlim=(1, 1.6 * of.over_estimation.max()))
+        kinds.set_yticklabels(of.settings, fontsize=8)
+        plain_ticks(kinds.xaxis, "x", (1, 2, 5))
+    raster.set_ylabel("not proven hidden,\ntimes the reference")
+    for axes in all_axes:
+        bare(axes)
+        axes.grid(alpha=.25)
+    return figure
+
+
+CHARTS = {
+    "visibility_tiers": ("Over-estimation and missed objects against milliseconds a view cell: a column a scene, a point a setting", draw_tiers, ("tables",)),
+    "visibility_accuracy": ("What over-estimation depends on: the dense city, effort 0 unless said otherwise", draw_accuracy, ("failures",)),
+}
+
+
+def charts_of(results):
+    """Those whose tables are there: name to caption and function."""
+    return {name: (caption, draw) for name, (caption, draw, needs) in CHARTS.items() if all(getattr(results, need) is not None for need in needs)}
+
+
+# ---- the page --------------------------------------------------------------------------------------------------------------
+
+HOW_TO_READ = """For view cells spread over each scene, a producer tells of every object whether it is proven <b>hidden</b>, proven <b>seen</b>, or neither.
+<b>Reference</b>: what about four million rays a cell find, and all that any producer saw; it is below the truth, so
+<b>over-estimation</b>, the objects not proven hidden over the reference, looks worse than it is. <b>Found</b>: seen, of the reference. <b>Undecided</b>: neither, of all
+objects of the scene. <b>Wrongly hidden</b>: hidden, yet in the reference; a program ends with an error if there is one. Milliseconds are of one thread by the processor's own
+clock, so that other work on the machine does not count (but what it takes of shared caches does); preparing the scene is not in them. Published figures are in italics."""
+
+
+def sections(results):
+    """As report_tools.as_text wants them."""
+    yield ("Over-estimation and missed objects against milliseconds a view cell", "", ["visibility_tiers", ("The project's goals, on the dense city", table_of_goals(results)),
+                                                                                         ("Beside the published figures", table_beside_published(results))])
+    yield ("Projection points", "Mean objects not hidden, effort 0, from one point of the cell; in brackets the change against a random point.", [("", table_of_points(results))])
+    if results.failures is not None:
+        yield "What accuracy depends on", "", ["visibility_accuracy", ("", table_of_failures(results, ["raster", "cell", "triangles", "occluders"]))]
+        yield ("Where it fails", "A wall before a cell of 2 m, and 81 boxes behind; far coordinates: a city of 8 x 8 squares, moved.",
+               [("", table_of_failures(results, [name for name in dict.fromkeys(results.failures.study) if name not in ("raster", "cell", "triangles", "occluders")]))])
+    if results.detail is not None:
+        yield ("Levels of detail", "How far vertices of the finest level lie from the one that is drawn, from the cell's corners, in pixels of a picture of 1920 x 1080.", [("", table_of_detail(results))])
+    if results.octree is not None:
+        yield "The adaptive octree", "Excess: mean triangles of the cells that the level limit stopped, over the threshold.", [("", table_of_octree(results))]
+    yield "Every setting", "", [(scene, table_of_runs(results, scene)) for scene in dict.fromkeys(results.tables.scene)]
+
+
+def main(out="out", records=None):
+    results = load(out)
+    charts = {name: (caption, draw(results)) for name, (caption, draw) in charts_of(results).items()}
+    tools.write_report(out, "visibility", "Visibility from view cells", HOW_TO_READ, sections(results), charts, records)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
