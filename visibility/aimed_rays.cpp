@@ -226,6 +226,9 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
   }
 
   const std::size_t vertices = cell.cell().vertices.size();
+  // Where there are more targets than rays, each has the same chance, and half of the rays are left for a second look.
+  const float first_look = std::min(1.0f, static_cast<float>(rays) / (8 * static_cast<float>(aims.size())));
+  for (Aim& aim : aims) aim.due = random.unit();
   std::array<std::uint32_t, RayCaster::width> aimed{};
   Packet origins{}, directions{};
   unsigned filled = 0;
@@ -259,7 +262,9 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
                                                                        : cell.on_face(random);
     for (std::uint32_t i = 0; i < aims.size(); ++i) {
       Aim& aim = aims[i];
-      aim.due += aim.hinted ? 8 : round < 3 ? 1 : std::max(1 / 16.0f, 4 * aim.reached * aim.reached);
+      aim.due += aim.hinted                     ? 8
+                 : aim.reached < 0 || round < 3 ? first_look
+                                                : std::max(1 / 16.0f, 4 * aim.reached * aim.reached);
       for (; aim.due >= 1 && aim_of_object[aim.object] != none && seen.rays + filled < rays; --aim.due) {
         glm::vec3 from = viewpoint;
         glm::vec3 to = random.below(3) == 0 ? point_of(aim.object, random) : extreme_of(aim.object, random);

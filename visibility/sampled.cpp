@@ -363,16 +363,19 @@ Sight see_by_sampling(const AimedRays& rays, const ViewCells& cells, const Sampl
                                 std::to_string(shape.columns) + " objects");
   }
   Rounds rounds(rays, cells, options, not_hidden, crew);
+  std::uint64_t pieces = 0;
   for (std::uint32_t round = 0; round < options.rounds; ++round) {
     Progress of_all;
     if (progress) {
       of_all = [&](std::uint64_t done, std::uint64_t total) {
-        progress(round * total + done, options.rounds * total);
+        pieces = std::max(pieces, total);
+        progress(std::min(round * pieces + done, options.rounds * pieces), options.rounds * pieces);
       };
     }
     const std::uint64_t added = rounds.run(round, of_all);
     if (static_cast<double>(added) < options.enough_yield * static_cast<double>(rounds.entries())) break;
   }
+  if (progress) progress(options.rounds * pieces, options.rounds * pieces);
   return rounds.result();
 }
 

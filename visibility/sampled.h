@@ -15,8 +15,8 @@ namespace vismat {
 struct SampledOptions {
   std::uint32_t resolution = 32;  // squares a side of the cube maps, a multiple of 4
   std::uint64_t rays = 20'000;    // aimed, at most, a cell and round
-  std::uint32_t rounds = 4;       // at most, 1 or more
-  float enough_yield = 0.002f;    // a round that adds less than this share of all that is seen is the last
+  std::uint32_t rounds = 16;      // at most, 1 or more
+  float enough_yield = 0.005f;    // a round that adds less than this share of all that is seen is the last
   std::uint64_t seed = 1;
 };
 
@@ -24,8 +24,9 @@ struct SampledOptions {
 /// they miss; each new sight line, drawn out to what stops it backwards, is given to all cells that it crosses; then the next
 /// round, where what the cells next to it see is looked for first. `not_hidden`, cells x objects: objects hidden there for sure
 /// are not looked for. Throws std::invalid_argument for options out of range and a not_hidden of another shape. Same arguments,
-/// same bytes, whatever the crew. 40 ms a cell and core with the defaults, 99 % of
-/// dense_reference() (1.2 M triangles in 2752 objects).
+/// same bytes, whatever the crew. 35 ms a cell and core with the defaults, 99 % of
+/// dense_reference() (city of 1.2 M triangles in 2752 objects). Where thousands of small objects are seen at once it takes
+/// more: in a plant of 5861 pipes 100,000 rays find 79 % in 80 ms, 400,000 find 98 % in 250 ms.
 ///
 /// degree_of_visibility: of an object from a cell, the greatest share of all directions, 4 pi, in which it is the first
 /// thing seen (see-through ones: seen at all) from any of nine points: the cell's centre, and its vertices moved a sixteenth of
