@@ -108,7 +108,7 @@ def table_beside_published(results):
         fewer = 1 - points["apexes (published)"] / points["random"]
         rows.append(("fewer objects than from a random point", published.fewer, f"{fewer.min():.1%} to {fewer.max():.1%}", "the paper's objective; the table of projection points has ours"))
     if results.octree is not None:
-        last = results.octree.loc[results.octree.groupby(["scene", "threshold"]).level.idxmax()]
+        last = results.octree.loc[results.octree.groupby(["scene", "threshold"])["level"].idxmax()]
         last = last[last.stopped > 0]
         share = last.stopped / last.kept
         rows.append(("smallest octree cells above the threshold", published.stopped, f"{share.min():.0%} to {share.max():.0%}", "depends on threshold and levels, which the paper does not tell"))

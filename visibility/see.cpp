@@ -103,12 +103,12 @@ BoundsOptions effort(unsigned level) {
       options.shadow.points = 9;
       options.shadow.patches = 48;
       options.sampled.emplace();
-      options.sampled->rays = 5000;
       options.patch_rays = 200;
       break;
     case 2:
       options.shadow.points = 9;
-      options.shadow.patches = 400;
+      options.shadow.patches = 500;
+      options.shadow.patch_resolution = 512;
       options.sampled.emplace();
       options.patch_rays = 200;
       break;
