@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include "cli/cells_options.h"
@@ -10,6 +11,7 @@
 #include "matrix/parallel.h"
 #include "visibility/aimed_rays.h"
 #include "visibility/any_scene.h"
+#include "visibility/levels_of_detail.h"
 #include "visibility/scene_file.h"
 
 namespace vismat::cli {
@@ -20,12 +22,15 @@ struct Arguments {
   CellsWords cells;
   float resize = 1;
   std::uint32_t rays = 16;
+  bool drawn = false;
   unsigned threads = 0;
 };
 
-/// Triangles of the objects that rays find from each cell, a lower bound. Keeps what it is given.
-VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const Arguments& arguments) {
-  return [&, level = 0](const ViewCells& cells) mutable {
+/// Triangles of the objects that rays find from each cell, a lower bound: all of them, or those that are drawn if there are
+/// levels of detail. Keeps what it is given.
+VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const LevelsOfDetail* drawn,
+                               const Arguments& arguments) {
+  return [&, drawn, level = 0](const ViewCells& cells) mutable {
     std::vector<std::uint32_t> everything(scene.object_count);
     std::iota(everything.begin(), everything.end(), 0u);
     std::vector<std::vector<std::uint32_t>> seen(cells.count());
@@ -38,7 +43,13 @@ VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const 
     };
     parallel_for(cells.count(), arguments.threads, look,
                  show_progress("looking around on level " + std::to_string(level++)));
-    return triangles_of_rows(VisibilityMatrix::from_rows(seen, scene.object_count), scene);
+    if (drawn == nullptr)
+      return triangles_of_rows(VisibilityMatrix::from_rows(seen, scene.object_count), scene);
+    const std::vector<Box> boxes = cell_bounds(cells);
+    std::vector<std::uint64_t> triangles(boxes.size());
+    parallel_for(boxes.size(), arguments.threads,
+                 [&](std::uint64_t i) { triangles[i] = drawn->visible_triangles(boxes[i], seen[i]); });
+    return triangles;
   };
 }
 
@@ -50,12 +61,17 @@ void run(const Arguments& arguments) {
   SceneFile file = read_any_scene(arguments.scene).file;
   const RayCaster caster(file.scene);
   const AimedRays rays(file.scene, caster);
-  ChosenCells chosen =
-      choose_cells(file.scene, file.cells, choice, count_by_rays(file.scene, rays, arguments));
+  std::optional<LevelsOfDetail> drawn;
+  if (arguments.drawn && std::holds_alternative<OctreeCellsOptions>(choice)) {
+    drawn.emplace(file.scene, Screen{}, arguments.threads, show_progress("making levels of detail"));
+  }
+  ChosenCells chosen = choose_cells(file.scene, file.cells, choice,
+                                    count_by_rays(file.scene, rays, drawn ? &*drawn : nullptr, arguments));
   file.cells = std::move(chosen.cells);
   std::string made = "; " + describe(choice);
   if (std::holds_alternative<OctreeCellsOptions>(choice)) {
     made += ", counted by " + std::to_string(arguments.rays) + " rays an object";
+    if (drawn) made += ", at levels of detail without back faces";
   }
   if (arguments.resize != 1) {
     file.cells = resized(file.cells, arguments.resize);
@@ -102,6 +118,8 @@ void add_cells(CLI::App& app) {
   verb->add_option("--rays", arguments->rays, "To count an octree's visible triangles, an object and cell")
       ->check(CLI::Range(1u, 1000000u))
       ->capture_default_str();
+  verb->add_flag("--drawn", arguments->drawn,
+                 "Count for an octree what is drawn: at levels of detail, without back faces");
   verb->add_option("--threads", arguments->threads, "0: one a core; the result is the same for any number")
       ->capture_default_str();
   verb->add_option("-o,--output", arguments->output, "The scene file to write (.scene.h5)")->required();

@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   add_generate(app);
   add_scene(app);
   add_see(app);
+  add_triangles(app);
   add_tree(app);
   add_order(app);
   add_deltas(app);

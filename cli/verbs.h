@@ -12,6 +12,7 @@ void add_cells(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_scene(CLI::App& app);
 void add_see(CLI::App& app);
+void add_triangles(CLI::App& app);
 void add_tree(CLI::App& app);
 void add_order(CLI::App& app);
 void add_deltas(CLI::App& app);

@@ -237,6 +237,33 @@ TEST(Program, ReadsRowsAndNodesOverATreeOfRows) {
   EXPECT_NE(refused.error.find("vismat tree --side rows --by sets"), std::string::npos) << refused.error;
 }
 
+TEST(Program, CountsTheTrianglesThatAreDrawn) {
+  const TemporaryFolder folder;
+  const std::string scene = folder / "city.scene.h5", seen = folder / "city.bsp.h5", table = folder / "table.csv";
+  ASSERT_EQ(vismat_program({"city", "--size", "4", "-o", scene}).code(), 0);
+  ASSERT_EQ(vismat_program({"see", scene, "--objects", "-o", seen}).code(), 0);
+  const Finished run = vismat_program({"triangles", scene, seen, "-o", table});
+  EXPECT_EQ(run.code(), 0) << run.error;
+  EXPECT_NE(run.out.find("less back faces"), std::string::npos);
+  std::ifstream lines(table);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "cell,objects,triangles,at_level_of_detail,facing");
+  unsigned cells = 0;
+  while (std::getline(lines, line)) {
+    std::array<std::uint64_t, 5> n{};
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lu,%lu,%lu,%lu,%lu", &n[0], &n[1], &n[2], &n[3], &n[4]), 5) << line;
+    EXPECT_EQ(n[0], cells++);
+    EXPECT_GE(n[2], n[3]);
+    EXPECT_GE(n[3], n[4]);
+    EXPECT_GT(n[4], 0u);
+  }
+  EXPECT_EQ(cells, read_dataset(seen).matrix.shape().rows);
+  const Finished wrong = vismat_program({"triangles", scene, seen, "--field-of-view", "180"});
+  EXPECT_EQ(wrong.code(), 1);
+  EXPECT_NE(wrong.error.find("field of view"), std::string::npos);
+}
+
 TEST(Program, OrdersAndTellsHowFarFromTheBound) {
   const TemporaryFolder folder;
   const Dataset before = ring_of_clusters(60);

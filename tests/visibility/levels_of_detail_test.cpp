@@ -284,7 +284,7 @@ TEST(BackFaces, NeedAClosedOutwardSurface) {
 }
 
 TEST(LevelsOfDetail, TrianglesOfAVlodAreFewerThanThoseOfItsObjects) {
-  const SceneFile city = make_dense_city({.size = 3, .car_sides = 12});
+  const SceneFile city = make_dense_city({.size = 2, .interiors = 0, .car_sides = 12});
   const LevelsOfDetail one(city.scene, {}, 1), two(city.scene, {}, 2);
   std::vector<std::uint32_t> objects(city.scene.object_count);
   std::iota(objects.begin(), objects.end(), 0);
