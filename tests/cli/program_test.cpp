@@ -389,6 +389,33 @@ TEST(Program, VerifyFindsWhatIsHidden) {
   EXPECT_EQ(vismat_program({"verify", folder / "in.bsp.h5", folder / "hides.bsp.h5"}).code(), 0);
 }
 
+TEST(Program, VerifyChecksAMatrixAgainstItsScene) {
+  const TemporaryFolder folder;
+  const std::string scene = folder / "city.scene.h5", in = folder / "in.bsp.h5", blind = folder / "blind.bsp.h5";
+  ASSERT_EQ(vismat_program({"city", "--size", "4", "-o", scene}).code(), 0);
+  ASSERT_EQ(vismat_program({"see", scene, "--objects", "-o", in}).code(), 0);
+  const Finished run = vismat_program({"verify", in, "--witness", scene, "--samples", "30"});
+  EXPECT_EQ(run.code(), 0) << run.error;
+  EXPECT_NE(run.out.find(" 30         30              0\n"), std::string::npos) << run.out;
+  EXPECT_EQ(vismat_program({"verify", in, "--witness", scene, "--samples", "30"}).out, run.out);
+
+  Dataset dataset = read_dataset(in);  // now it claims that nothing is seen from anywhere
+  const Shape shape = dataset.matrix.shape();
+  dataset.matrix = VisibilityMatrix::from_rows(std::vector<std::vector<std::uint32_t>>(shape.rows), shape.columns);
+  dataset.guarantee = Guarantee::conservative;
+  dataset.sight_lines.clear();
+  dataset.degree_of_visibility.clear();
+  write_dataset(blind, dataset);
+  const Finished refuted = vismat_program({"verify", blind, "--witness", scene, "--samples", "2"});
+  EXPECT_EQ(refuted.code(), 1);
+  EXPECT_NE(refuted.error.find("entries are not confirmed to be hidden, the first in row "), std::string::npos)
+      << refuted.error;
+  expect_refusal({"verify", in}, "name the ORIGINAL matrix, or a scene with --witness");
+  dataset.guarantee = Guarantee::unknown;
+  write_dataset(blind, dataset);
+  expect_refusal({"verify", blind, "--witness", scene}, "blind.bsp.h5: claims neither");
+}
+
 TEST(Program, OrdersOutOfCoreAsInMemory) {
   const TemporaryFolder folder;
   write_dataset(folder / "in.bsp.h5", ring_of_clusters(60));

@@ -127,7 +127,7 @@ TEST(LineSpace, AnalyticScenes) {
 // jointly is not.
 TEST(LineSpace, WhichHiddenObjectsNeedSeveralOccluders) {
   Random random(5);
-  for (const AnalyticScene& s : analytic_scenes()) {
+  for (const AnalyticScene& s : plain_analytic_scenes()) {
     SCOPED_TRACE(s.name);
     const std::vector<glm::dvec3> cell = convex_box(s.cell).vertices;
     std::vector<int> in_no_umbra(s.scene.object_count);

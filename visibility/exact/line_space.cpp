@@ -105,7 +105,8 @@ LineSpaceAnswer look_in_line_space(const Scene& scene, std::span<const Occluder>
                                    const Convex& cell, std::uint32_t object, std::uint64_t most_pieces) {
   auto all = std::make_shared<Between>();
   for (const Occluder& occluder : occluders) {
-    if (occluder.object != object) all->walls.push_back({&occluder, bounds_of(occluder.shape.vertices)});
+    if (occluder.object != object && blocks_from(occluder, cell))
+      all->walls.push_back({&occluder, bounds_of(occluder.shape.vertices)});
   }
   std::vector<Triangle> targets;
   for (std::size_t t = 0; t < scene.object_of_triangle.size(); ++t) {

@@ -84,6 +84,15 @@ WeightedMean random_point(std::span<const glm::dvec3> corners, Random& random) {
   return mean;
 }
 
+// A little smaller, for what touches an occluder.
+std::vector<glm::dvec3> shrunk(std::span<const glm::dvec3> corners) {
+  glm::dvec3 middle{};
+  for (const glm::dvec3& corner : corners) middle += corner / static_cast<double>(corners.size());
+  std::vector<glm::dvec3> inner;
+  for (const glm::dvec3& corner : corners) inner.push_back(corner + 0x1p-30 * (middle - corner));
+  return inner;
+}
+
 // Within a flat convex polygon, whichever way round its corners run.
 bool contains(std::span<const glm::dvec3> polygon, const glm::dvec3& p, double slack) {
   glm::dvec3 normal{};
@@ -189,11 +198,10 @@ Doubt WitnessCheck::seen(const Convex& cell, std::uint32_t object, const SightLi
   if (!(distance <= rounding)) {
     return "its sight line ends at " + text(to) + ", " + std::to_string(distance) + " m from the object";
   }
-  if (from == to) {
-    const std::span<const std::uint32_t> own = triangles(object);
-    const bool touch =
-        std::any_of(own.begin(), own.end(), [&](std::uint32_t t) { return meets(corners(t), cell); });
-    return touch ? Doubt() : "its sight line has no length, but the object does not touch the cell";
+  const std::span<const std::uint32_t> own = triangles(object);
+  if (from == to &&
+      std::any_of(own.begin(), own.end(), [&](std::uint32_t t) { return meets(corners(t), cell); })) {
+    return std::nullopt;
   }
 
   WeightedMean aim = mean_of(target, weights);
@@ -239,15 +247,16 @@ Doubt WitnessCheck::hidden(const Convex& cell, std::uint32_t object, const Hidde
 
     for (const HiddenWitness::Part& part : witness.parts) {
       if (part.patch.beyond && glm::dot(part.patch.beyond->normal, x) < part.patch.beyond->offset) continue;
+      const std::vector<glm::dvec3> patch = shrunk(part.patch.corners);
       const auto hiding = std::find_if(part.occluders.begin(), part.occluders.end(), [&](std::uint32_t o) {
-        return occluders[o].object != object && hides(occluders[o].shape, part.patch.corners, std::array{x});
+        return occluders[o].object != object && hides(occluders[o].shape, patch, std::array{x});
       });
       if (hiding == part.occluders.end()) {
         return "none of " + std::to_string(part.occluders.size()) + " occluders hides its point " + text(x) +
                " from all of the patch at " + text(part.patch.corners[0]);
       }
-      std::vector<WeightedMean> starts = {random_point(part.patch.corners, random)};
-      for (const glm::dvec3& corner : part.patch.corners) starts.push_back({{corner}, {1}});
+      std::vector<WeightedMean> starts = {random_point(patch, random)};
+      for (const glm::dvec3& corner : patch) starts.push_back({{corner}, {1}});
       for (const WeightedMean& start : starts) {
         if (!crosses_one_of(occluders[*hiding].object, start, exact_x)) {
           return "the sight line from " + text(rounded(start)) + " to " + text(x) + " meets occluder " +

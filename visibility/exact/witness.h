@@ -29,16 +29,17 @@ class WitnessCheck {
   /// rational point of the object's triangles, and no opaque triangle of another object may be crossed on the way (the ends
   /// left out, borders included). If one is, points up to 1/256 of a triangle away are tried: a line that passes an edge
   /// closer than rounding proves as much from there; `aimed_again` counts these. A line without length says that the two
-  /// touch, and that is what is checked then.
+  /// touch: if they do, nothing more is asked; if only rounding keeps them apart, it is checked as any other.
   Doubt seen(const Convex& cell, std::uint32_t object, const SightLine& line,
              std::uint64_t* aimed_again = nullptr) const;
 
-  /// Whether the witness proves the object hidden from the cell. On `samples` points of the object, half of them vertices that lie farthest out:
-  /// for each part with the point beyond its plane, one of the part's occluders hides it from all of the patch (exact for the
-  /// point as doubles: the patch's corners are enough), and the sight lines from the corners and from a random point of the
-  /// patch cross triangles of the occluder's object (exact). And from random points of the cell's faces that have the
-  /// sample in front: some part's patch contains them, to 1e-9 of the coordinates. Samples prove nothing of the points
-  /// between them. An object without triangles is hidden.
+  /// Whether the witness proves the object hidden from the cell. On `samples` points of the object, half of them vertices that
+  /// lie farthest out: for each part with the point beyond its plane, one of the part's occluders hides it from all of the
+  /// patch (exact for the point as doubles: the patch's corners are enough), and the sight lines from the corners and from a
+  /// random point of the patch cross triangles of the occluder's object (exact). And from random points of the cell's faces
+  /// that have the sample in front: some part's patch contains them, to 1e-9 of the coordinates. A border of 2^-30 of each
+  /// patch is left out: where a cell touches a solid's edge, that edge alone sees past it. Samples prove nothing of the
+  /// points between them. An object without triangles is hidden.
   Doubt hidden(const Convex& cell, std::uint32_t object, const HiddenWitness& witness,
                std::span<const Occluder> occluders, std::uint32_t samples, Random random) const;
 
