@@ -111,11 +111,7 @@ Count shoot(const Place& place, std::uint64_t rays, std::uint32_t most_cells, st
   const RayCaster caster(place.scene);
   const AimedRays aim(place.scene, caster);
   const WitnessCheck check(place.scene);
-  OccluderOptions options;
-  for (const Box& box : cell_bounds(place.cells)) {
-    options.extend_below_ground = options.extend_below_ground && box.low[2] >= lowest_point(place.scene);
-  }
-  const Shadows shadows(place.scene, find_occluders(place.scene, options));
+  const Shadows shadows(place.scene, occluders_for(place.scene, place.cells, {}));
   ShadowOptions casting;
   casting.points = 9, casting.resolution = casting.patch_resolution = 256, casting.patches = patches;
   const std::uint32_t count = std::min(most_cells, place.cells.count());

@@ -120,7 +120,7 @@ BoundsOptions effort(unsigned level) {
 
 Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, Crew& crew,
                  const Stages& stages) {
-  const Shadows shadows(scene, find_occluders(scene, options.occluders));
+  const Shadows shadows(scene, occluders_for(scene, cells, options.occluders));
   std::optional<RayCaster> caster;
   std::optional<AimedRays> rays;
   if (options.sampled) {

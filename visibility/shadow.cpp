@@ -125,6 +125,14 @@ std::array<Patch, 2> halves(const Patch& patch) {
 
 }  // namespace
 
+std::vector<Occluder> occluders_for(const Scene& scene, const ViewCells& cells, OccluderOptions options) {
+  const float ground = lowest_point(scene);
+  for (const Box& box : cell_bounds(cells)) {
+    options.extend_below_ground = options.extend_below_ground && box.low[2] >= ground;
+  }
+  return find_occluders(scene, options);
+}
+
 struct Shadows::Data {
   std::vector<Occluder> occluders;
   std::vector<std::uint32_t> first_occluder;  // of each object, and the end

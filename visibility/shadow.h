@@ -11,6 +11,7 @@
 #include "visibility/occluders.h"
 #include "visibility/projection_point.h"
 #include "visibility/supporting_planes.h"
+#include "visibility/view_cells.h"
 
 namespace vismat {
 
@@ -43,6 +44,9 @@ struct HiddenWitness {
   };
   std::vector<Part> parts;  // their patches cover all that a sight line from the cell to the object can pass
 };
+
+/// find_occluders() for views from these cells: if one of them reaches below the scene, no occluder does.
+std::vector<Occluder> occluders_for(const Scene& scene, const ViewCells& cells, OccluderOptions options);
 
 /// The occluders of a scene and the tree over its objects; shared by threads, each with a View of its own.
 class Shadows {

@@ -391,13 +391,16 @@ TEST(Program, VerifyFindsWhatIsHidden) {
 
 TEST(Program, VerifyChecksAMatrixAgainstItsScene) {
   const TemporaryFolder folder;
-  const std::string scene = folder / "city.scene.h5", in = folder / "in.bsp.h5", blind = folder / "blind.bsp.h5";
+  const std::string scene = folder / "city.scene.h5", in = folder / "in.bsp.h5", seen = folder / "seen.bsp.h5",
+                    blind = folder / "blind.bsp.h5";
   ASSERT_EQ(vismat_program({"city", "--size", "4", "-o", scene}).code(), 0);
-  ASSERT_EQ(vismat_program({"see", scene, "--objects", "-o", in}).code(), 0);
-  const Finished run = vismat_program({"verify", in, "--witness", scene, "--samples", "30"});
-  EXPECT_EQ(run.code(), 0) << run.error;
-  EXPECT_NE(run.out.find(" 30         30              0\n"), std::string::npos) << run.out;
-  EXPECT_EQ(vismat_program({"verify", in, "--witness", scene, "--samples", "30"}).out, run.out);
+  ASSERT_EQ(vismat_program({"see", scene, "--objects", "-o", in, "--seen", seen}).code(), 0);
+  for (const auto& [matrix, claim] : {std::pair(in, "hidden"), std::pair(seen, "seen")}) {
+    const Finished run = vismat_program({"verify", matrix, "--witness", scene, "--samples", "30"});
+    EXPECT_EQ(run.code(), 0) << run.error;
+    EXPECT_NE(run.out.find(std::string("\n") + claim + ' '), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find(" 30         30              0\n"), std::string::npos) << run.out;
+  }
 
   Dataset dataset = read_dataset(in);  // now it claims that nothing is seen from anywhere
   const Shape shape = dataset.matrix.shape();

@@ -111,11 +111,7 @@ Audit audit(const Dataset& dataset, const Scene& scene, const ViewCells& cells, 
   }
 
   if (hidden > 0) {
-    OccluderOptions occluders;
-    for (const Box& box : cell_bounds(cells)) {
-      occluders.extend_below_ground = occluders.extend_below_ground && box.low[2] >= lowest_point(scene);
-    }
-    const Shadows shadows(scene, find_occluders(scene, occluders));
+    const Shadows shadows(scene, occluders_for(scene, cells, {}));
     ShadowOptions casting;
     casting.points = 9;
     casting.patches = options.patches;
