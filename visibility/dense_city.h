@@ -7,7 +7,7 @@
 
 namespace vismat {
 
-/// Metres. The defaults give about a million triangles in about two thousand objects.
+/// Metres. The defaults give 1.24 million triangles in 2752 objects.
 struct DenseCityOptions {
   std::uint32_t size = 20;                     // squares a side, 1 to 256
   float pitch = 20;                            // side of a square
@@ -23,7 +23,7 @@ struct DenseCityOptions {
   std::uint64_t seed = 1;
 };
 
-/// Object 0 is the ground, a sheet at z = 0; the others are closed and outward oriented, stand on it, and follow square by
+/// Object 0 is the ground, a sheet at z = 0; the others are closed and outward oriented and follow square by
 /// square, along x first. The view cells are the boxes of a grid over the ground that no object enters, ascending by x first,
 /// with their neighbours. Same options, same city. Throws std::invalid_argument for options out of range. The default city
 /// takes a third of a second.

@@ -19,7 +19,7 @@ struct PlantOptions {
 };
 
 /// Objects are components: a straight piece of pipe, an elbow, a tank, a beam, a panel of grating, a flight of stairs.
-/// Each is closed and outward oriented and meets no other; object 0 alone, the ground, is a sheet. The view cells are cubes
+/// Each is closed and outward oriented and at most touches others; object 0 alone, the ground, is a sheet. The view cells are cubes
 /// all over the plant's bounds where a viewer who flies in from outside or above can be, in Z-order, with their neighbours; a
 /// cell may have components in it. Same options, same plant, and on one kind of CPU the same cells. Throws
 /// std::invalid_argument for options out of range.
