@@ -463,8 +463,8 @@ void add_polygons(Maker& maker, const Mesh& mesh, std::span<const CoplanarFace> 
     if (face.area <= least_area || face.area < smallest * smallest / 2) continue;
     const FlatFace flat = in_own_frame(mesh, face, maker.ground);
     // Coordinates of planes square to an axis are exact; others round.
-    // The coordinates of planes square to an axis are exact, our own arithmetic rounds others.
-    const bool exact = largest(face.normal) == 1 && face.deviation == 0;
+    // Coordinates stay exact where all is square to the axes, otherwise our own arithmetic rounds them.
+    const bool exact = face.deviation == 0 && largest(face.normal) == 1 && largest(flat.frame.axes[0]) == 1;
     const double rounding = 1e-14 * (maker.size + maker.magnitude);
     const double deviation = exact ? 0 : std::max(face.deviation, rounding);
     const double inset = 1000 * deviation;

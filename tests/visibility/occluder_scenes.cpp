@@ -29,7 +29,10 @@ bool meets(const std::array<glm::dvec3, 3>& t, const glm::dvec3& from, const glm
   if ((before > 0 && behind > 0) || (before < 0 && behind < 0)) return false;
   const double a = volume(from, to, t[0], t[1]), b = volume(from, to, t[1], t[2]),
                c = volume(from, to, t[2], t[0]);
-  return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+  // Through a side or a corner, rounding may say that it is on neither of the triangles there.
+  const double length = glm::distance(from, to) + glm::distance(from, t[0]),
+               rounding = 1e-14 * length * length * length;
+  return std::min({a, b, c}) >= -rounding || std::max({a, b, c}) <= rounding;
 }
 
 glm::dvec3 direction(Random& random) {
@@ -123,6 +126,9 @@ std::optional<std::string> find_leak(const Scene& scene, std::span<const Occlude
     double size = 0;
     for (const glm::dvec3& vertex : shape.vertices)
       size = std::max(size, glm::distance(vertex, shape.vertices[0]));
+    glm::dvec3 middle{};
+    for (const glm::dvec3& vertex : shape.vertices)
+      middle += vertex / static_cast<double>(shape.vertices.size());
     const double margin =
         1e-9 * size + 1e-12 * glm::length(shape.vertices[0]);  // what rounding may be off by
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -142,6 +148,9 @@ std::optional<std::string> find_leak(const Scene& scene, std::span<const Occlude
         along -= glm::dot(along, normal) * normal * (1 - std::pow(10, -5 * random.fraction()));
         along = glm::normalize(along);
       }
+      // Where a flat segment crosses a plane is rounded; that much it stays away from the edges.
+      const double steep = occluders[o].flat ? std::abs(glm::dot(along, first.normal)) : 1;
+      through += std::min(0.5, margin / size * 1e-3 / std::max(steep, 1e-12)) * (middle - through);
       const double reach = size * std::pow(10, 1 - 5 * random.fraction());
       const glm::dvec3 from = through - reach * along,
                        to = through + size * std::pow(10, 1 - 4 * random.fraction()) * along;
