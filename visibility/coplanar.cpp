@@ -7,37 +7,6 @@
 #include <numeric>
 
 namespace vismat {
-namespace {
-
-constexpr std::uint32_t none = 0xffffffff;
-
-struct Neighbour {
-  std::uint32_t triangle = none;
-  bool turned = false;  // runs along the common side in the same direction
-};
-
-/// Per triangle and side (from corner i to the next); none where the side has not exactly two triangles.
-std::vector<std::array<Neighbour, 3>> neighbours_of(const Mesh& mesh, std::span<const Side> sides) {
-  std::vector<std::array<Neighbour, 3>> neighbours(mesh.triangles.size());
-  const auto set = [&](const Side& side, const Side& other) {
-    const std::array<std::uint32_t, 3>& corners = mesh.triangles[side.triangle];
-    for (unsigned i = 0; i < 3; ++i) {
-      if (corners[i] == side.ends[side.forward ? 0 : 1] &&
-          corners[(i + 1) % 3] == side.ends[side.forward ? 1 : 0]) {
-        neighbours[side.triangle][i] = {other.triangle, side.forward == other.forward};
-      }
-    }
-  };
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t end = i + 1;
-    while (end < sides.size() && sides[end].ends == sides[i].ends) ++end;
-    if (end - i == 2) set(sides[i], sides[i + 1]), set(sides[i + 1], sides[i]);
-    i = end;
-  }
-  return neighbours;
-}
-
-}  // namespace
 
 std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const Side> sides, double tolerance) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
@@ -55,10 +24,10 @@ std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const Side>
   });
 
   std::vector<CoplanarFace> faces;
-  std::vector<std::uint32_t> face_of(count, none);
+  std::vector<std::uint32_t> face_of(count, Neighbour::none);
   std::vector<bool> turned(count);
   for (const std::uint32_t seed : seeds) {
-    if (face_of[seed] != none) continue;
+    if (face_of[seed] != Neighbour::none) continue;
     CoplanarFace face;
     const auto number = static_cast<std::uint32_t>(faces.size());
     const double length = glm::length(normals[seed]);
@@ -71,7 +40,9 @@ std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const Side>
       const std::uint32_t t = face.triangles[next];
       sum += turned[t] ? -normals[t] : normals[t];
       for (const Neighbour& neighbour : neighbours[t]) {
-        if (length == 0 || neighbour.triangle == none || face_of[neighbour.triangle] != none) continue;
+        if (length == 0 || neighbour.triangle == Neighbour::none ||
+            face_of[neighbour.triangle] != Neighbour::none)
+          continue;
         const bool turn = turned[t] != neighbour.turned;
         const glm::dvec3& normal = normals[neighbour.triangle];
         if (glm::dot(turn ? -normal : normal, up) < 0) continue;  // folded back
@@ -101,7 +72,7 @@ std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const Side>
     for (const std::uint32_t t : face.triangles) {
       for (unsigned i = 0; i < 3; ++i) {
         const Neighbour& neighbour = neighbours[t][i];
-        const bool inner = neighbour.triangle != none && face_of[neighbour.triangle] == number &&
+        const bool inner = neighbour.triangle != Neighbour::none && face_of[neighbour.triangle] == number &&
                            (turned[t] != neighbour.turned) == turned[neighbour.triangle];
         if (inner) continue;
         const std::uint32_t from = mesh.triangles[t][i], to = mesh.triangles[t][(i + 1) % 3];

@@ -75,6 +75,50 @@ std::vector<std::uint32_t> parts_by_sides(const Mesh& mesh, std::span<const Side
   return parts;
 }
 
+std::vector<std::array<Neighbour, 3>> neighbours_of(const Mesh& mesh, std::span<const Side> sides) {
+  std::vector<std::array<Neighbour, 3>> neighbours(mesh.triangles.size());
+  const auto set = [&](const Side& side, const Side& other) {
+    const std::array<std::uint32_t, 3>& corners = mesh.triangles[side.triangle];
+    for (unsigned i = 0; i < 3; ++i) {
+      if (corners[i] == side.ends[side.forward ? 0 : 1] &&
+          corners[(i + 1) % 3] == side.ends[side.forward ? 1 : 0]) {
+        neighbours[side.triangle][i] = {other.triangle, side.forward == other.forward};
+      }
+    }
+  };
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i + 1;
+    while (end < sides.size() && sides[end].ends == sides[i].ends) ++end;
+    if (end - i == 2) set(sides[i], sides[i + 1]), set(sides[i + 1], sides[i]);
+    i = end;
+  }
+  return neighbours;
+}
+
+void orient(Mesh& mesh, std::span<const Side> sides) {
+  const std::vector<std::array<Neighbour, 3>> neighbours = neighbours_of(mesh, sides);
+  enum : std::uint8_t { open, kept, turned };
+  std::vector<std::uint8_t> state(mesh.triangles.size(), open);
+  std::vector<std::uint32_t> next;
+  for (std::uint32_t first = 0; first < state.size(); ++first) {
+    if (state[first] != open) continue;
+    state[first] = kept;
+    next = {first};
+    while (!next.empty()) {
+      const std::uint32_t t = next.back();
+      next.pop_back();
+      for (const Neighbour& neighbour : neighbours[t]) {
+        if (neighbour.triangle == Neighbour::none || state[neighbour.triangle] != open) continue;
+        state[neighbour.triangle] = (state[t] == turned) == neighbour.turned ? kept : turned;
+        next.push_back(neighbour.triangle);
+      }
+    }
+  }
+  for (std::size_t t = 0; t < state.size(); ++t) {
+    if (state[t] == turned) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  }
+}
+
 int winding_number(const Mesh& mesh, const glm::dvec3& point) {
   double halves = 0;  // of solid angles
   for (const std::array<std::uint32_t, 3>& corners : mesh.triangles) {

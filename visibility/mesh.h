@@ -32,6 +32,19 @@ std::vector<Side> sides_of(const Mesh& mesh);
 /// For each triangle its part's number, from 0: parts hang together by sides. Ascending by the first triangle.
 std::vector<std::uint32_t> parts_by_sides(const Mesh& mesh, std::span<const Side> sides);
 
+struct Neighbour {
+  static constexpr std::uint32_t none = 0xffffffff;
+  std::uint32_t triangle = none;
+  bool turned = false;  // runs along the common side in the same direction
+};
+/// Per triangle those behind its sides, from corner i to the next; none where the side has not exactly two triangles.
+std::vector<std::array<Neighbour, 3>> neighbours_of(const Mesh& mesh, std::span<const Side> sides);
+
+/// Turns triangles so that those that share a side which no third one has run along it in opposite directions, as the first
+/// triangle of each part wants it. The surfaces of solids become closed by that; a Moebius strip stays as it is somewhere.
+/// `sides` tell of the mesh before. O(triangles).
+void orient(Mesh& mesh, std::span<const Side> sides);
+
 /// How often the surface winds round the point: for a closed surface, that is one along each of whose sides as many
 /// triangles run forward as backward, a whole number that changes only across triangles, and 0 far away. By solid angles
 /// [van Oosterom and Strackee 1983], so it needs no general position. O(triangles).

@@ -152,7 +152,7 @@ double fit(std::span<const HalfSpace> sides, const dvec3& centre, std::span<cons
     least = std::min(least, most);
     if (least < least_fit) return 0;
   }
-  return least < 1 - 1e-13 ? least * (1 - 1e-12) : 1;
+  return least < 1 - 1e-13 ? least * (1 - 1e-10) : 1;
 }
 
 /// The polytope over the corners where at least three faces meet; nothing if they do not make one.
@@ -562,6 +562,7 @@ void make_occluders(Maker& maker, const Mesh& mesh) {
   bool outward = false, inward = false;
   for (const std::vector<std::uint32_t>& triangles : parts) {
     Mesh part = part_of(mesh, triangles);
+    orient(part, sides_of(part));
     if (!close_on_ground(part, maker.options.extend_below_ground ? maker.ground : std::nan(""))) {
       append(open, part);
       continue;

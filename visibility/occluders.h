@@ -45,9 +45,9 @@ struct OccluderOptions {
 /// The least z of all triangles; 0 for a scene without any.
 float lowest_point(const Scene& scene);
 
-/// Per object, from its triangles with vertices joined that are equal bit for bit, part by part as they hang together by
-/// sides: closed and convex parts (faces may be tessellated) as one solid; the largest boxes inside other closed ones,
-/// axis-aligned or turned about z; the largest convex polygons of flat faces of what is not closed, and of closed parts
+/// Per object, from its triangles with vertices joined that are equal bit for bit, whichever way they are turned, part by
+/// part as they hang together by sides: closed and convex parts (faces may be tessellated) as one solid; the largest boxes
+/// inside other closed ones, axis-aligned or turned about z; the largest convex polygons of flat faces of what is not closed, and of closed parts
 /// faces that are larger than any side of their boxes. Objects that are see-through, or not finite, have none. Ascending by
 /// object. Deterministic. A million triangles take seconds on one core.
 ///

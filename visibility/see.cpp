@@ -197,14 +197,13 @@ Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells&
 
 std::string describe(const BoundsOptions& o) {
   char text[320];
-  std::snprintf(
-      text, sizeof text,
-      "%s: %u points at %u pixels, at most %u patches at %u pixels, %u boxes and %u polygons an "
-      "object, none below %g m%s",
-      o.sampled ? "sandwich" : "shadow", o.shadow.points, o.shadow.resolution, o.shadow.patches,
-      o.shadow.patch_resolution, o.occluders.boxes_per_object, o.occluders.polygons_per_object,
-      static_cast<double>(o.occluders.smallest),
-      o.occluders.extend_below_ground ? ", solids reach below the ground if all cells are above" : "");
+  std::snprintf(text, sizeof text,
+                "%s: %u points at %u pixels, at most %u patches at %u pixels, %u boxes and %u polygons an "
+                "object, none below %g m%s",
+                o.sampled ? "sandwich" : "shadow", o.shadow.points, o.shadow.resolution, o.shadow.patches,
+                o.shadow.patch_resolution, o.occluders.boxes_per_object, o.occluders.polygons_per_object,
+                static_cast<double>(o.occluders.smallest),
+                o.occluders.extend_below_ground ? ", solids reach below the ground" : "");
   std::string line = text;
   if (o.sampled) line += "; " + describe(*o.sampled) + ", " + std::to_string(o.patch_rays) + " rays a patch";
   return line;
