@@ -90,7 +90,7 @@ def table_of_points(results):
     points = results.tables[results.tables.producer == "point"]
     for scene, of in points.groupby("scene", sort=False):
         by = of.set_index("settings").not_hidden
-        rows.append({"scene": scene, "random": f"{by['random']:.1f}", **{name: f"{by[name]:.1f} ({1 - by[name] / by['random']:+.1%})" for name in by.index if name != "random"}})
+        rows.append({"scene": scene, "random": f"{by['random']:.1f}", **{name: f"{by[name]:.1f} ({by[name] / by['random'] - 1:+.1%})" for name in by.index if name != "random"}})
     table = pd.DataFrame(rows)
     table.columns = [name.replace(" (published)", "\n(published's objective)").replace(" (ours)", "\n(our objective)") for name in table.columns]
     return table
@@ -101,7 +101,7 @@ def table_beside_published(results):
     of = results.tables[results.tables.wrongly_hidden.notna()]
     single = of[(of.producer == "shadow") & of.settings.str.contains("effort 0")]
     published = results.published.words
-    rows = [("ms a view cell, one core", published.ms_a_cell, f"{single.ms_median.min():.1f} to {single.ms_median.max():.1f} ms", "effort 0, scenes of this page; 21 years of hardware lie between"),
+    rows = [("ms a view cell, one core", published.ms_a_cell, f"{single.ms_median.min():.1f} to {single.ms_median.max():.1f} ms", "effort 0, scenes of this page; today's hardware"),
             ("over-estimation", published.over_estimation, f"{single.over_estimation.min():.2f} to {single.over_estimation.max():.2f} times", "effort 0; against 4 million rays a cell and more, not 125 points")]
     points = results.tables[results.tables.producer == "point"].pivot_table(index="scene", columns="settings", values="not_hidden")
     if len(points):
@@ -248,7 +248,7 @@ HOW_TO_READ = """For view cells spread over each scene, a producer tells of ever
 <b>Reference</b>: what about four million rays a cell find, and all that any producer saw; it is below the truth, so
 <b>over-estimation</b>, the objects not proven hidden over the reference, looks worse than it is. <b>Found</b>: seen, of the reference. <b>Undecided</b>: neither, of all
 objects of the scene. <b>Wrongly hidden</b>: hidden, yet in the reference; a program ends with an error if there is one. Milliseconds are of one thread by the processor's own
-clock, so that other work on the machine does not count (but what it takes of shared caches does); preparing the scene is not in them. Published figures are in italics."""
+clock, so that other work on the machine does not count (but what it takes of caches and of the core's other thread does); preparing the scene is not in them. Published figures are in italics."""
 
 
 def sections(results):
