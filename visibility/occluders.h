@@ -47,9 +47,9 @@ float lowest_point(const Scene& scene);
 
 /// Per object, from its triangles with vertices joined that are equal bit for bit, whichever way they are turned, part by
 /// part as they hang together by sides: closed and convex parts (faces may be tessellated) as one solid; the largest boxes
-/// inside other closed ones, axis-aligned or turned about z; the largest convex polygons of flat faces of what is not closed, and of closed parts
-/// faces that are larger than any side of their boxes. Objects that are see-through, or not finite, have none. Ascending by
-/// object. Deterministic. A million triangles take seconds on one core.
+/// inside other closed ones, axis-aligned or turned about z; the largest convex polygons of flat faces of what is not closed,
+/// and of closed parts faces that are larger than any side of their boxes. Objects that are see-through, or not finite, have
+/// none. Ascending by object. Deterministic. A million triangles take seconds on one core.
 ///
 /// Sound by one lemma: a convex shape whose interior no triangle of a closed surface enters, and round one point of which the
 /// surface winds, lies inside; for polygons the same one dimension lower, with the face's outline. Both are tested against
