@@ -92,7 +92,7 @@ void print_scene(const SceneFile& file) {
     line("see-through", grouped(static_cast<std::uint64_t>(std::count(clear.begin(), clear.end(), 1))) + " objects");
   }
   const auto range = formatted("%g to %g m above the ground", file.cells.eye_low, file.cells.eye_high);
-  line("view cells", grouped(file.cells.count()) + (file.cells.count() == 0 ? "" : ", eyes " + range));
+  line("view cells", grouped(file.cells.count()) + (file.cells.prisms() == 0 ? "" : ", eyes " + range));
   line("neighbours", file.cells.neighbours ? grouped(file.cells.neighbours->ones() / 2) + " pairs" : "none");
   line("provenance", file.provenance.empty() ? "unknown" : file.provenance);
   line("seed", file.seed ? std::to_string(*file.seed) : "none");
