@@ -269,7 +269,7 @@ void add_see(CLI::App& app) {
       ->capture_default_str();
   add_cells_options(*verb, a.cells);
   verb->add_option("--effort", a.effort,
-                   "0: one shadow view a cell; 1; 2: under 2 % undecided in a dense city")
+                   "0: shadows of the whole cell; 1: and rays, and some patches of it; 2: many patches")
       ->check(CLI::Range(0u, 2u))
       ->capture_default_str();
   verb->add_option("--points", a.points, "Projection points of a cell: 1, 9 or 27 (by effort)");

@@ -22,8 +22,8 @@ struct BoundsOptions {
   std::uint64_t patch_rays = 0;           // a patch, at what is undecided from there; needs `sampled`
 };
 
-/// Time for accuracy, in three steps: 0 is one shadow view a cell; 1 a sandwich with some patches; 2 one that leaves less
-/// than 2 % of the objects undecided in a dense city. Throws std::invalid_argument for others.
+/// Time for accuracy, in three steps: 0 is one shadow view a cell, from nine of its points; 1 a sandwich with some patches; 2 with
+/// many, about 8, 120 and 950 ms a cell of a city of a million triangles. Throws std::invalid_argument for others.
 BoundsOptions effort(unsigned level);
 
 /// Sight::degree and Sight::lines as see_by_sampling() gives them. Same scene, cells and options, same result, for any crew, on one kind of CPU.

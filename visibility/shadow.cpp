@@ -14,6 +14,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <queue>
 #include <stdexcept>
@@ -259,6 +260,32 @@ struct Shadows::View::Work {
     return !clip(box, patch_of.beyond) || buffer.hides(box);
   }
 
+  /// Objects left in the fewest pieces are the nearest to being decided: takes those as long as their pieces are at most `most`
+  /// together, and gives the others.
+  template <typename Piece>
+  Objects hopeless(const std::vector<Piece>& level, std::size_t most) const {
+    if (level.size() <= most) return {};
+    std::map<std::uint32_t, std::vector<std::uint32_t>> pieces_of;
+    for (std::uint32_t i = 0; i < level.size(); ++i) {
+      for (const std::uint32_t object : level[i].left) pieces_of[object].push_back(i);
+    }
+    std::vector<std::pair<std::size_t, std::uint32_t>> order;
+    for (const auto& [object, pieces] : pieces_of) order.emplace_back(pieces.size(), object);
+    std::sort(order.begin(), order.end());
+    std::vector<char> needed(level.size(), 0);
+    Objects rest;
+    for (const auto& [count, object] : order) {
+      std::size_t more = 0;
+      for (const std::uint32_t piece : pieces_of[object]) more += needed[piece] == 0;
+      if (more > most) {
+        rest.push_back(object);
+        continue;
+      }
+      most -= more;
+      for (const std::uint32_t piece : pieces_of[object]) needed[piece] = 1;
+    }
+    return rest;
+  }
   Objects refine(const Convex& cell, std::span<const std::uint32_t> around,
                  std::span<const std::uint32_t> candidates, const Look& look, HiddenWitness* witness);
 };
@@ -316,6 +343,9 @@ Objects Shadows::View::Work::refine(const Convex& cell, std::span<const std::uin
   Objects reached;
   for (std::uint32_t views = 0; !level.empty();) {
     std::vector<Piece> next;
+    for (Piece& piece : level) std::erase_if(piece.left, [&](std::uint32_t object) { return !open[object]; });
+    std::erase_if(level, [](const Piece& piece) { return piece.left.empty(); });
+    close(hopeless(level, (options.patches - views) / 2));  // the other half is for finer patches
     for (Piece& piece : level) {
       std::erase_if(piece.left, [&](std::uint32_t object) { return !open[object]; });
       if (piece.left.empty()) continue;
