@@ -95,8 +95,8 @@ void add_seen(Sight& sight, const std::vector<std::vector<SeenObject>>& more) {
 
 BoundsOptions effort(unsigned level) {
   BoundsOptions options;
-  switch (
-      level) {  // tuned on the dense city: 9 points pay more than patches for their time, 27 no more than 9
+  // Tuned on the dense city: 9 points pay more than patches for their time, 27 no more than 9.
+  switch (level) {
     case 0:
       options.shadow.points = 9;
       options.shadow.resolution = 256;
@@ -105,12 +105,12 @@ BoundsOptions effort(unsigned level) {
       options.shadow.points = 9;
       options.shadow.patches = 48;
       options.sampled.emplace();
+      options.sampled->rays = 5000;
       options.patch_rays = 200;
       break;
     case 2:
       options.shadow.points = 9;
-      options.shadow.patches = 500;
-      options.shadow.patch_resolution = 512;
+      options.shadow.patches = 600;
       options.sampled.emplace();
       options.patch_rays = 200;
       break;

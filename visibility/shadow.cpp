@@ -7,7 +7,8 @@
 // A pixel's proof is a single occluder. Two that hide an object only together are found from parts of the cell: every sight
 // line leaves the cell through its boundary, so what is hidden from each patch of it is hidden from the cell. Patches
 // are halved, level by level, as long as candidates are left and views allowed; only faces that an object lies beyond
-// matter to it, and only that part of it.
+// matter to it, and only that part of it. Tried and lost: shadows from the patches' corners too, which take as long as two or three
+// times the patches and decide less.
 #include "visibility/shadow.h"
 
 #include <algorithm>
@@ -184,28 +185,52 @@ struct Shadows::View::Work {
   const Data& data;
   ShadowOptions options;
   ShadowBuffer whole, patch;
+  struct Drawn {
+    std::uint32_t occluder;
+    std::size_t first_plane, end_plane;
+  };
+  std::vector<Drawn> drawn;  // by the last view, nearest first
   std::vector<Plane> planes;
   std::vector<std::pair<double, std::uint32_t>> by_distance;
 
+  /// Adds what was drawn, with its planes, to `drawn`.
   void draw(ShadowBuffer& buffer, const Convex& cell, std::uint32_t object) {
     for (std::uint32_t i = data.first_occluder[object]; i < data.first_occluder[object + 1]; ++i) {
       const Occluder& occluder = data.occluders[i];
       if (!apart(cell, occluder.shape, data.gap, occluder.flat) || !blocks_from(occluder, cell)) continue;
-      planes.clear();
-      supporting_planes(cell, occluder.shape, occluder.flat, planes);
-      buffer.draw(occluder.shape, planes, i);
+      const std::size_t first = planes.size();
+      supporting_planes(cell, occluder.shape, occluder.flat, planes, first);
+      if (buffer.draw(occluder.shape, std::span(planes).subspan(first), i)) {
+        drawn.push_back({i, first, planes.size()});
+      } else {
+        planes.resize(first);
+      }
+    }
+  }
+  void begin(ShadowBuffer& buffer, const glm::dvec3& point, bool names) {
+    buffer.clear(point, names);
+    planes.clear();
+    drawn.clear();
+  }
+  /// From another point of the same cell: only what drew something before, since what is smaller than the cell shrinks to nothing
+  /// from each of its points.
+  void draw_again(ShadowBuffer& buffer, const glm::dvec3& point) const {
+    buffer.clear(point);
+    for (const auto& [occluder, first, end] : drawn) {
+      buffer.draw(data.occluders[occluder].shape, std::span(planes).subspan(first, end - first), occluder);
     }
   }
 
   std::vector<Shrinkage> shrinking(const Convex& cell, std::span<const std::uint32_t> objects) {
     std::vector<Shrinkage> all;
+    std::vector<Plane> bounding;
     for (const std::uint32_t object : objects) {
       for (std::uint32_t i = data.first_occluder[object]; i < data.first_occluder[object + 1]; ++i) {
         const Occluder& occluder = data.occluders[i];
         if (!apart(cell, occluder.shape, data.gap, occluder.flat)) continue;
-        planes.clear();
-        supporting_planes(cell, occluder.shape, occluder.flat, planes);
-        if (const auto shrinks = shrinkage(cell, occluder, planes)) all.push_back(*shrinks);
+        bounding.clear();
+        supporting_planes(cell, occluder.shape, occluder.flat, bounding);
+        if (const auto shrinks = shrinkage(cell, occluder, bounding)) all.push_back(*shrinks);
       }
     }
     return all;
@@ -213,7 +238,7 @@ struct Shadows::View::Work {
 
   /// From `point` of the cell, over the whole scene.
   Objects look_around(const Convex& cell, const glm::dvec3& point, bool names) {
-    whole.clear(point, names);
+    begin(whole, point, names);
     Objects visible;
     if (data.tree.size() == 0) return visible;
     using Item = std::pair<double, std::uint32_t>;
@@ -239,7 +264,7 @@ struct Shadows::View::Work {
   /// From `point` of the cell, over some objects: draws them all into the buffer, gives those that are not hidden.
   Objects look_at(ShadowBuffer& buffer, const Convex& cell, const glm::dvec3& point,
                   std::span<const std::uint32_t> objects, bool names) {
-    buffer.clear(point, names);
+    begin(buffer, point, names);
     by_distance.clear();
     for (const std::uint32_t object : objects)
       by_distance.emplace_back(squared_distance(data.bounds[object], point), object);
@@ -253,11 +278,6 @@ struct Shadows::View::Work {
     std::sort(visible.begin(), visible.end());
     std::erase_if(visible, [&](std::uint32_t object) { return buffer.hides(data.bounds[object]); });
     return visible;
-  }
-
-  bool hidden_beyond(const ShadowBuffer& buffer, const Patch& patch_of, std::uint32_t object) const {
-    Box box = data.bounds[object];
-    return !clip(box, patch_of.beyond) || buffer.hides(box);
   }
 
   /// Objects left in the fewest pieces are the nearest to being decided: takes those as long as their pieces are at most `most`
@@ -291,8 +311,13 @@ struct Shadows::View::Work {
 };
 
 Shadows::View::View(const Data& data, const ShadowOptions& options)
-    : work_(new Work{
-          data, options, ShadowBuffer(options.resolution), ShadowBuffer(options.patch_resolution), {}, {}}) {}
+    : work_(new Work{data,
+                     options,
+                     ShadowBuffer(options.resolution),
+                     ShadowBuffer(options.patch_resolution),
+                     {},
+                     {},
+                     {}}) {}
 Shadows::View::~View() = default;
 
 std::vector<std::uint32_t> Shadows::View::not_hidden(const Convex& cell) {
@@ -302,11 +327,10 @@ std::vector<std::uint32_t> Shadows::View::not_hidden(const Convex& cell) {
   if (options.only_point) {
     return work_->look_around(cell, options.only_point(cell, work_->shrinking(cell, left)), false);
   }
-  const Objects around = left;
   if (options.best_point)
-    points.push_back(projection_point(cell, work_->shrinking(cell, around), *options.best_point));
+    points.push_back(projection_point(cell, work_->shrinking(cell, left), *options.best_point));
   for (std::size_t i = 1; i < points.size(); ++i) {
-    work_->look_at(work_->whole, cell, points[i], around, false);
+    work_->draw_again(work_->whole, points[i]);
     std::erase_if(left, [&](std::uint32_t object) { return work_->whole.hides(work_->data.bounds[object]); });
   }
   return left;
@@ -357,17 +381,17 @@ Objects Shadows::View::Work::refine(const Convex& cell, std::span<const std::uin
       const Convex plate = convex_plate(piece.patch.corners, piece.patch.beyond->normal);
       const glm::dvec3 point = middle(piece.patch.corners);
       piece.around = look_at(patch, plate, point, piece.around, witness != nullptr);
-      Objects left;
-      for (const std::uint32_t object : piece.left) {
-        if (!hidden_beyond(patch, piece.patch, object)) {
-          left.push_back(object);
-        } else if (witness != nullptr) {
-          HiddenWitness::Part part{piece.patch, point, {}};
-          Box box = data.bounds[object];
-          if (clip(box, piece.patch.beyond)) patch.names_before(box, part.occluders);
-          witness->parts.push_back(std::move(part));
+      Objects left = piece.left;
+      std::erase_if(left, [&](std::uint32_t object) {
+        Box box = data.bounds[object];
+        const bool beyond = clip(box, piece.patch.beyond);
+        if (beyond && !patch.hides(box)) return false;
+        if (witness != nullptr) {
+          witness->parts.push_back({piece.patch, point, {}});
+          if (beyond) patch.names_before(box, witness->parts.back().occluders);
         }
-      }
+        return true;
+      });
       if (left.empty()) continue;
       if (look) {
         const Objects seen = look(piece.patch, left);

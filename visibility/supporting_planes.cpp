@@ -15,7 +15,8 @@ double nearest(const Convex& solid, const Convex::Face& face) {
   return -farthest_beyond(solid.vertices, -face.normal, -face.offset);
 }
 
-void add_planes(const Convex& solid, const Convex& other, std::vector<Plane>& planes) {
+void add_planes(const Convex& solid, const Convex& other, std::size_t first_plane,
+                std::vector<Plane>& planes) {
   constexpr double same = 1e-10;  // between unit normals: planes of parallel edges come from both solids
   thread_local std::vector<char> lit;
   lit.resize(solid.faces.size());
@@ -40,9 +41,9 @@ void add_planes(const Convex& solid, const Convex& other, std::vector<Plane>& pl
       if (glm::dot(normal, vertex - a) < 0) normal = glm::cross(vertex - a, along);
     }
     normal = glm::normalize(normal);
-    const bool known = std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
-      return glm::distance(plane.normal, normal) < same;
-    });
+    const bool known =
+        std::any_of(planes.begin() + static_cast<std::ptrdiff_t>(first_plane), planes.end(),
+                    [&](const Plane& plane) { return glm::distance(plane.normal, normal) < same; });
     if (!known) planes.push_back({normal, glm::dot(normal, a)});
   }
 }
@@ -57,9 +58,10 @@ bool apart(const Convex& cell, const Convex& occluder, double gap, bool flat) {
   return beyond(occluder, cell, flat ? gap : 0) || (!flat && beyond(cell, occluder, 0));
 }
 
-void supporting_planes(const Convex& cell, const Convex& occluder, bool flat, std::vector<Plane>& planes) {
-  add_planes(occluder, cell, planes);
-  if (!flat) add_planes(cell, occluder, planes);
+void supporting_planes(const Convex& cell, const Convex& occluder, bool flat, std::vector<Plane>& planes,
+                       std::size_t first) {
+  add_planes(occluder, cell, first, planes);
+  if (!flat) add_planes(cell, occluder, first, planes);
 }
 
 }  // namespace vismat

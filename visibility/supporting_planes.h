@@ -21,7 +21,9 @@ bool apart(const Convex& cell, const Convex& occluder, double gap, bool flat);
 
 /// Facets of the convex hull of both that touch both (without those through an edge of the cell if the occluder is flat:
 /// they bound no umbra there), both lying inside of each plane. Between them and behind the occluder lies its umbra: the
-/// points that no segment from the cell reaches without meeting it. Needs apart(). Adds to `planes`. O(edges * vertices).
-void supporting_planes(const Convex& cell, const Convex& occluder, bool flat, std::vector<Plane>& planes);
+/// points that no segment from the cell reaches without meeting it. Needs apart(). Adds to `planes`, of
+/// which those from `first` on are taken to belong to the same pair. O(edges * vertices).
+void supporting_planes(const Convex& cell, const Convex& occluder, bool flat, std::vector<Plane>& planes,
+                       std::size_t first = 0);
 
 }  // namespace vismat
