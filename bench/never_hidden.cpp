@@ -15,12 +15,12 @@
 
 #include "cli/progress.h"
 #include "matrix/parallel.h"
-#include "visibility/aimed_rays.h"
-#include "visibility/city.h"
-#include "visibility/dense_city.h"
 #include "visibility/exact/witness.h"
 #include "visibility/levels/level_file.h"
-#include "visibility/plant.h"
+#include "visibility/made/city.h"
+#include "visibility/made/dense_city.h"
+#include "visibility/made/plant.h"
+#include "visibility/rays/aimed_rays.h"
 #include "visibility/scene_file.h"
 
 namespace {

@@ -9,8 +9,8 @@
 
 #include "bench/visibility_study.h"
 #include "matrix/atomic_file.h"
-#include "visibility/levels_of_detail.h"
-#include "visibility/octree_cells.h"
+#include "visibility/cells/octree_cells.h"
+#include "visibility/detail/levels_of_detail.h"
 
 namespace {
 

@@ -23,7 +23,7 @@
 #include "matrix/random.h"
 #include "visibility/levels/growing_box.h"
 #include "visibility/levels/level_file.h"
-#include "visibility/ray_caster.h"
+#include "visibility/rays/ray_caster.h"
 
 namespace {
 

@@ -9,8 +9,8 @@
 
 #include "bench/visibility_study.h"
 #include "matrix/atomic_file.h"
-#include "visibility/components.h"
-#include "visibility/levels_of_detail.h"
+#include "visibility/detail/levels_of_detail.h"
+#include "visibility/meshes/components.h"
 
 namespace {
 

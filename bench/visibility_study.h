@@ -20,13 +20,13 @@
 
 #include "bench/measure.h"
 #include "matrix/random.h"
-#include "visibility/aimed_rays.h"
-#include "visibility/any_scene.h"
-#include "visibility/city.h"
-#include "visibility/dense_city.h"
-#include "visibility/grid_cells.h"
-#include "visibility/plant.h"
-#include "visibility/ray_caster.h"
+#include "visibility/cells/grid_cells.h"
+#include "visibility/made/city.h"
+#include "visibility/made/dense_city.h"
+#include "visibility/made/plant.h"
+#include "visibility/meshes/any_scene.h"
+#include "visibility/rays/aimed_rays.h"
+#include "visibility/rays/ray_caster.h"
 #include "visibility/see.h"
 
 namespace vismat::bench {

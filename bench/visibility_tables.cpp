@@ -10,7 +10,7 @@
 
 #include "bench/visibility_study.h"
 #include "matrix/atomic_file.h"
-#include "visibility/projection_point.h"
+#include "visibility/shadows/projection_point.h"
 
 namespace {
 

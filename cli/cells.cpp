@@ -9,9 +9,9 @@
 #include "cli/progress.h"
 #include "cli/verbs.h"
 #include "matrix/parallel.h"
-#include "visibility/aimed_rays.h"
-#include "visibility/any_scene.h"
-#include "visibility/levels_of_detail.h"
+#include "visibility/detail/levels_of_detail.h"
+#include "visibility/meshes/any_scene.h"
+#include "visibility/rays/aimed_rays.h"
 #include "visibility/scene_file.h"
 
 namespace vismat::cli {

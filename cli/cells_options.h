@@ -2,7 +2,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 
-#include "visibility/cells_choice.h"
+#include "visibility/cells/cells_choice.h"
 
 namespace vismat::cli {
 

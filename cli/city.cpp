@@ -1,5 +1,5 @@
 // vismat city: a made-up city as a scene file.
-#include "visibility/city.h"
+#include "visibility/made/city.h"
 
 #include <cstdio>
 #include <memory>
@@ -30,7 +30,8 @@ void add_city(CLI::App& app) {
       app.add_subcommand("city", "Make a city of boxes: objects, their quadtree, and view cells");
   verb->footer(
       "The defaults are 'artificial 1' of Zach & Karner 2003; with --size 64, 'artificial 2'.\n"
-      "Example: vismat city --size 32 -o city32.scene.h5 && vismat see city32.scene.h5 --producer climbing -o city32.bsp.h5");
+      "Example: vismat city --size 32 -o city32.scene.h5 && vismat see city32.scene.h5 --producer climbing "
+      "-o city32.bsp.h5");
   const auto add = [&](const char* name, auto& value, const char* help) {
     verb->add_option(name, value, help)->capture_default_str();
   };

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "visibility/mpi_crew.h"
+#include "visibility/crew/mpi_crew.h"
 
 namespace vismat::cli {
 namespace {

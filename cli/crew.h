@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
-#include "visibility/crew.h"
-#include "visibility/journal.h"
+#include "visibility/crew/crew.h"
+#include "visibility/crew/journal.h"
 
 namespace vismat::cli {
 

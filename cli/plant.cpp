@@ -1,5 +1,5 @@
 // vismat plant: a made-up chemical plant as a scene file.
-#include "visibility/plant.h"
+#include "visibility/made/plant.h"
 
 #include <cstdio>
 #include <memory>

@@ -6,7 +6,7 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
-#include "visibility/any_scene.h"
+#include "visibility/meshes/any_scene.h"
 
 namespace vismat::cli {
 namespace {

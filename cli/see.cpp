@@ -12,9 +12,9 @@
 #include "cli/summary.h"
 #include "cli/verbs.h"
 #include "matrix/checksum.h"
-#include "visibility/any_scene.h"
-#include "visibility/levels_of_detail.h"
-#include "visibility/ray_sampling.h"
+#include "visibility/detail/levels_of_detail.h"
+#include "visibility/meshes/any_scene.h"
+#include "visibility/rays/ray_sampling.h"
 #include "visibility/see.h"
 
 namespace vismat::cli {

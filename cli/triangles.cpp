@@ -12,8 +12,8 @@
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
 #include "matrix/parallel.h"
-#include "visibility/any_scene.h"
-#include "visibility/levels_of_detail.h"
+#include "visibility/detail/levels_of_detail.h"
+#include "visibility/meshes/any_scene.h"
 
 namespace vismat::cli {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "matrix/random.h"
-#include "visibility/aimed_rays.h"
+#include "visibility/rays/aimed_rays.h"
 
 namespace vismat {
 namespace {

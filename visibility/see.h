@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "visibility/crew.h"
-#include "visibility/occluders.h"
-#include "visibility/sampled.h"
-#include "visibility/shadow.h"
+#include "visibility/crew/crew.h"
+#include "visibility/rays/sampled.h"
+#include "visibility/shadows/occluders.h"
+#include "visibility/shadows/shadow.h"
 #include "visibility/sight.h"
 #include "visibility/view_cells.h"
 

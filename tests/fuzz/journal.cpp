@@ -8,7 +8,7 @@
 
 #include "matrix/byte_reader.h"
 #include "matrix/checksum.h"
-#include "visibility/journal.h"
+#include "visibility/crew/journal.h"
 
 namespace {
 

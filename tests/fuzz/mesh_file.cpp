@@ -1,5 +1,5 @@
 // Any bytes as a mesh of any format, told by the first: a scene that can be welded and split, or FormatError.
-#include "visibility/mesh_file.h"
+#include "visibility/meshes/mesh_file.h"
 
 #include <cmath>
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <span>
 
 #include "matrix/byte_reader.h"
-#include "visibility/components.h"
+#include "visibility/meshes/components.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace vismat;

@@ -1,4 +1,4 @@
-#include "visibility/aimed_rays.h"
+#include "visibility/rays/aimed_rays.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "visibility/occluders.h"
 #include "visibility/scene.h"
+#include "visibility/shadows/occluders.h"
 
 namespace vismat {
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "visibility/city.h"
 #include "visibility/exact/witness.h"
-#include "visibility/sampled.h"
+#include "visibility/made/city.h"
+#include "visibility/rays/sampled.h"
 
 namespace vismat {
 namespace {

@@ -7,13 +7,13 @@
 #include <stdexcept>
 
 #include "matrix/random.h"
-#include "visibility/cells_choice.h"
-#include "visibility/city.h"
-#include "visibility/dense_city.h"
-#include "visibility/grid_cells.h"
-#include "visibility/ground_cells.h"
-#include "visibility/octree_cells.h"
-#include "visibility/ray_caster.h"
+#include "visibility/cells/cells_choice.h"
+#include "visibility/cells/grid_cells.h"
+#include "visibility/cells/ground_cells.h"
+#include "visibility/cells/octree_cells.h"
+#include "visibility/made/city.h"
+#include "visibility/made/dense_city.h"
+#include "visibility/rays/ray_caster.h"
 
 namespace vismat {
 namespace {

@@ -1,4 +1,4 @@
-#include "visibility/city.h"
+#include "visibility/made/city.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Crews with and without a journal: the same bytes for any number of threads and after any end of earlier runs.
-#include "visibility/crew.h"
+#include "visibility/crew/crew.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -14,7 +14,7 @@
 #include "matrix/byte_reader.h"
 #include "matrix/random.h"
 #include "tests/matrix/temporary_folder.h"
-#include "visibility/journal.h"
+#include "visibility/crew/journal.h"
 
 namespace vismat {
 namespace {

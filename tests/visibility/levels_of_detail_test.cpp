@@ -1,4 +1,4 @@
-#include "visibility/levels_of_detail.h"
+#include "visibility/detail/levels_of_detail.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include <stdexcept>
 
 #include "matrix/random.h"
-#include "visibility/back_faces.h"
-#include "visibility/dense_city.h"
-#include "visibility/solids.h"
+#include "visibility/detail/back_faces.h"
+#include "visibility/made/dense_city.h"
+#include "visibility/made/solids.h"
 
 namespace vismat {
 namespace {

@@ -7,9 +7,9 @@
 #include <map>
 
 #include "matrix/touching_boxes.h"
-#include "visibility/dense_city.h"
-#include "visibility/plant.h"
-#include "visibility/solids.h"
+#include "visibility/made/dense_city.h"
+#include "visibility/made/plant.h"
+#include "visibility/made/solids.h"
 
 namespace vismat {
 namespace {

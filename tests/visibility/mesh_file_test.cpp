@@ -1,4 +1,4 @@
-#include "visibility/mesh_file.h"
+#include "visibility/meshes/mesh_file.h"
 
 #include <gtest/gtest.h>
 #include <OpenMesh/Core/IO/MeshIO.hh>
@@ -17,9 +17,9 @@
 #include "matrix/byte_reader.h"
 #include "tests/matrix/temporary_folder.h"
 #include "tests/visibility/levels_tiny.h"
-#include "visibility/any_scene.h"
-#include "visibility/city.h"
-#include "visibility/components.h"
+#include "visibility/made/city.h"
+#include "visibility/meshes/any_scene.h"
+#include "visibility/meshes/components.h"
 
 namespace vismat {
 namespace {

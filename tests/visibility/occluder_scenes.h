@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "visibility/occluders.h"
+#include "visibility/shadows/occluders.h"
 
 namespace vismat {
 

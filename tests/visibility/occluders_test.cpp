@@ -1,4 +1,4 @@
-#include "visibility/occluders.h"
+#include "visibility/shadows/occluders.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "matrix/random.h"
 #include "tests/visibility/occluder_scenes.h"
-#include "visibility/city.h"
+#include "visibility/made/city.h"
 
 namespace vismat {
 namespace {

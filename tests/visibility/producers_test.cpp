@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "tests/visibility/analytic_scenes.h"
-#include "visibility/aimed_rays.h"
-#include "visibility/shadow.h"
+#include "visibility/rays/aimed_rays.h"
+#include "visibility/shadows/shadow.h"
 
 namespace vismat {
 namespace {

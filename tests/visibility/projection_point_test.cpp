@@ -1,4 +1,4 @@
-#include "visibility/projection_point.h"
+#include "visibility/shadows/projection_point.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "matrix/random.h"
-#include "visibility/shadow.h"
+#include "visibility/shadows/shadow.h"
 
 namespace vismat {
 namespace {

@@ -1,4 +1,4 @@
-#include "visibility/ray_sampling.h"
+#include "visibility/rays/ray_sampling.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 #include "matrix/random.h"
 #include "tests/visibility/open_boxes.h"
-#include "visibility/city.h"
-#include "visibility/ray_caster.h"
+#include "visibility/made/city.h"
+#include "visibility/rays/ray_caster.h"
 
 namespace vismat {
 namespace {
@@ -98,7 +98,8 @@ TEST(RayCaster, PassesWhatIsSeeThrough) {
   EXPECT_FLOAT_EQ(hit.distance, 15);
   const auto passed_objects = [&](float distance) {
     Ids objects;
-    for (const std::uint32_t triangle : caster.passed(from, along, distance)) objects.push_back(object(triangle));
+    for (const std::uint32_t triangle : caster.passed(from, along, distance))
+      objects.push_back(object(triangle));
     return objects;
   };
   EXPECT_EQ(passed_objects(hit.distance), (Ids{0, 0, 1, 1}));

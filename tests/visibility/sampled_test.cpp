@@ -1,4 +1,4 @@
-#include "visibility/sampled.h"
+#include "visibility/rays/sampled.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "tests/visibility/analytic_scenes.h"
 #include "tests/visibility/open_boxes.h"
-#include "visibility/city.h"
+#include "visibility/made/city.h"
 
 namespace vismat {
 namespace {

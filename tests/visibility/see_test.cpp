@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 
 #include "matrix/loss.h"
-#include "visibility/cell_points.h"
-#include "visibility/city.h"
-#include "visibility/ray_caster.h"
+#include "visibility/cells/cell_points.h"
+#include "visibility/made/city.h"
+#include "visibility/rays/ray_caster.h"
 
 namespace vismat {
 namespace {

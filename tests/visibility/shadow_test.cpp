@@ -1,5 +1,5 @@
 // Shadows of single occluders, and their fusion.
-#include "visibility/shadow.h"
+#include "visibility/shadows/shadow.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "matrix/random.h"
-#include "visibility/ray_caster.h"
-#include "visibility/shadow_buffer.h"
+#include "visibility/rays/ray_caster.h"
+#include "visibility/shadows/shadow_buffer.h"
 #include "visibility/view_cells.h"
 
 namespace vismat {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "matrix/random.h"
-#include "visibility/aimed_rays.h"
 #include "visibility/exact/witness.h"
+#include "visibility/rays/aimed_rays.h"
 
 namespace vismat {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "visibility/exact/predicates.h"
-#include "visibility/occluders.h"
 #include "visibility/scene.h"
+#include "visibility/shadows/occluders.h"
 
 namespace vismat {
 

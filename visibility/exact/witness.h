@@ -8,9 +8,9 @@
 
 #include "matrix/random.h"
 #include "visibility/exact/predicates.h"
-#include "visibility/occluders.h"
 #include "visibility/scene.h"
-#include "visibility/shadow.h"
+#include "visibility/shadows/occluders.h"
+#include "visibility/shadows/shadow.h"
 #include "visibility/sight.h"
 
 namespace vismat {

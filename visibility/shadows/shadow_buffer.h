@@ -1,0 +1,48 @@
+// What a point sees of shrunk occluders: depths all around it, and whether a box lies behind them.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "visibility/convex.h"
+#include "visibility/shadows/supporting_planes.h"
+
+namespace vismat {
+
+/// Six square faces of a cube around a projection point, `resolution` pixels a side, 4 bytes a pixel. What is drawn covers only
+/// pixels that lie wholly inside it, at their farthest depth; what is asked for is looked up in every pixel that it
+/// touches, at its nearest: rounding can lose an occlusion, never invent one.
+class ShadowBuffer {
+ public:
+  explicit ShadowBuffer(std::uint32_t resolution);  // a power of two, 16 to 4096; std::invalid_argument
+
+  /// Nothing is hidden; seen from `point`. With `names`, what each pixel shows is kept too.
+  void clear(const glm::dvec3& point, bool names = false);
+  /// The part of a solid that lies within the cone from the point bounded by the directions of `planes` (paper 000, section
+  /// 5.2: the occluder clipped to the frustum with planes parallel to its supporting ones). The point lies outside the
+  /// solid. True if a pixel was covered.
+  bool draw(const Convex& shape, std::span<const Plane> planes, std::uint32_t name = 0);
+  /// True if every point of the box lies behind what was drawn.
+  bool hides(const Box& box) const;
+  /// Adds what covers the box: the names of the pixels it touches, each once.
+  void names_before(const Box& box, std::vector<std::uint32_t>& names) const;
+
+ private:
+  struct Face {
+    std::vector<float> nearness;  // 1 / depth of what is drawn, 0 where nothing is
+    std::vector<std::uint32_t> names;
+    std::uint32_t first_row = 0, end_row = 0;  // rows with anything drawn
+  };
+  template <typename Visit>
+  bool touched_pixels(const Box& box, const Visit& visit) const;
+
+  std::uint32_t resolution_;
+  double pixel_;
+  glm::dvec3 point_{};
+  bool named_ = false;
+  std::array<Face, 6> faces_;
+};
+
+}  // namespace vismat
