@@ -61,15 +61,26 @@ for ranks in (0, 3) if mpi else (0,):
     check(output_of(again) == expected, "after a failure")
 
 
+def stat_of(pid):
+    """State, parent, ..."""
+    return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+
+
 def ranks_of(process):
-    children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
-    return [int(child) for child in children]
+    ranks = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            if int(stat_of(pid)[1]) == process.pid:
+                ranks.append(int(pid))
+        except OSError:  # gone meanwhile
+            pass
+    return ranks
 
 
 def runs(pid):
     try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except FileNotFoundError:
+        return stat_of(pid)[0] != "Z"
+    except OSError:
         return False
 
 
