@@ -54,14 +54,13 @@ void add_shadows(Study& study, const Shadows& shadows, double preparing_ms) {
   for (const std::uint32_t resolution : {128, 256, 512, 1024}) {
     ShadowOptions options;
     options.resolution = resolution;
-    shadow(
-        std::to_string(resolution) + " px" + (resolution == effort(0).shadow.resolution ? " (effort 0)" : ""),
-        options);
+    shadow(std::to_string(resolution) + " px", options);
   }
   ShadowOptions options = effort(0).shadow;
   for (const std::uint32_t points : {9, 27}) {
     options.points = points;
-    shadow(std::to_string(points) + " points", options);
+    shadow(std::to_string(points) + " points" + (points == effort(0).shadow.points ? " (effort 0)" : ""),
+           options);
   }
   options.points = 1;
   shadow("centre", options, "point");
@@ -76,6 +75,7 @@ void add_shadows(Study& study, const Shadows& shadows, double preparing_ms) {
     };
     shadow(name, options, "point");
     ShadowOptions with_centre = effort(0).shadow;
+    with_centre.points = 1;
     with_centre.best_point = objective;
     shadow(std::string(name) + " and centre", with_centre, "point");
   }

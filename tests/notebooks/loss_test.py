@@ -32,8 +32,8 @@ class Loss(unittest.TestCase):
         cls.lossy.mkdir()
         nodes, objects = cls.out / "artificial-1.bsp.h5", cls.out / "tiny.cells.bsp.h5"
         run(VISMAT, "city", "--size", 8, "-o", cls.out / "city.scene.h5")
-        run(VISMAT, "see", cls.out / "city.scene.h5", "-o", nodes)
-        run(VISMAT, "see", cls.out / "city.scene.h5", "--objects", "-o", objects)
+        run(VISMAT, "see", cls.out / "city.scene.h5", "--producer", "climbing", "-o", nodes)
+        run(VISMAT, "see", cls.out / "city.scene.h5", "--producer", "climbing", "--objects", "-o", objects)
         curves = ("--csv", cls.lossy / "curves.csv")
         cls.table = run(BENCH / "lossy_tables", *curves, "--lost", "0,.05,.2", "--codecs", "pair-ans,delimiter,panne,xz,jbig1", nodes, objects)
         run(BENCH / "lossy_tables", *curves, "--append", "--no-lossless", "--methods", "seeds", "--sides", "cells", "--lost", ".05", nodes, objects)

@@ -40,7 +40,7 @@ class Orders(unittest.TestCase):
         matrices = [cls.out / f"{name}.bsp.h5" for name in ("artificial-1", "tiny.cells")]
         for seed, matrix in enumerate(matrices):
             run(VISMAT, "city", "--size", 8, "--seed", seed + 1, "-o", cls.out / "city.scene.h5")
-            run(VISMAT, "see", cls.out / "city.scene.h5", "-o", matrix)
+            run(VISMAT, "see", cls.out / "city.scene.h5", "--producer", "climbing", "-o", matrix)
         cls.table = run(BENCH / "orders", "--out", layout, *matrices)
         run(BENCH / "orders", "--out", layout, "--append", "--side", "rows", matrices[0])
         run(BENCH / "distance_statistics", "--out", layout, "--trials", 5, "--scale", 0.001, *matrices)

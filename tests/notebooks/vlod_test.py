@@ -33,7 +33,7 @@ class Vlod(unittest.TestCase):
         vlod.mkdir()
         city, differences = cls.out / "artificial-1.bsp.h5", cls.out / "artificial-1.differences.bsp.h5"
         run(VISMAT, "city", "--size", 8, "-o", cls.out / "city.scene.h5")
-        run(VISMAT, "see", cls.out / "city.scene.h5", "-o", city)
+        run(VISMAT, "see", cls.out / "city.scene.h5", "--producer", "climbing", "-o", city)
         run(VISMAT, "deltas", city, "-o", differences)
         cls.codes = run(BENCH / "vlod_tables", "--seconds", 0, "--csv", vlod / "codes.csv", "--scale", 0.0005, "--", differences)
         cls.compared = run(VISMAT, "compare", "--seconds", 0, "--orders", "natural,best", "--csv", vlod / "compare.csv", city, differences)

@@ -30,7 +30,7 @@ class Zach2003(unittest.TestCase):
         cls.out = pathlib.Path(cls.folder.name)
         for name, seed in (("artificial-1", 1), ("tiny.cells", 2)):
             run(VISMAT, "city", "--size", 8, "--seed", seed, "-o", cls.out / "city.scene.h5")
-            run(VISMAT, "see", cls.out / "city.scene.h5", "-o", cls.out / f"{name}.bsp.h5")
+            run(VISMAT, "see", cls.out / "city.scene.h5", "--producer", "climbing", "-o", cls.out / f"{name}.bsp.h5")
         matrices = sorted(cls.out.glob("*.bsp.h5"))
         run(BENCH / "zach_tables", "--out", cls.out, *matrices)
         structure = run(sys.executable, ROOT / "bench/table_structure.py", *matrices)
