@@ -70,7 +70,8 @@ Audit audit(const Dataset& dataset, const Scene& scene, const ViewCells& cells, 
   if (shape != Shape{cells.count(), scene.object_count}) {
     throw std::invalid_argument("has " + std::to_string(shape.rows) + " x " + std::to_string(shape.columns) +
                                 " entries, but the scene " + std::to_string(cells.count()) +
-                                " view cells and " + std::to_string(scene.object_count) + " objects");
+                                " view cells and " + std::to_string(scene.object_count) +
+                                " objects; 'vismat cells' puts view cells into a scene file");
   }
   if (dataset.guarantee == Guarantee::unknown) {
     throw std::invalid_argument(
