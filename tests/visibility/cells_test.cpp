@@ -265,7 +265,7 @@ TEST(OctreeCells, ALowerThresholdRefines) {
   add_box(scene, {{0, 0, 0}, {1, 1, 1}});
   OctreeCellsOptions options;
   options.region = {{0, 0, 0}, {16, 16, 16}};
-  options.levels = 5;
+  options.levels = 4;
   OctreeCells coarser;
   for (const std::uint64_t threshold : {2000000, 200000, 30000, 8000, 0}) {
     options.threshold = threshold;
@@ -280,10 +280,10 @@ TEST(OctreeCells, ALowerThresholdRefines) {
     EXPECT_EQ(coarser.cells.count() == 1, threshold == 2000000);
     double covered = 0;
     for (const Box& box : coarser.cells.boxes) covered += volume(box);
-    // All of the cube but the box, which cells of half a metre fill.
+    // All of the cube but the box, which a cell of a metre fills.
     EXPECT_NEAR(covered, threshold == 0 ? 16 * 16 * 16 - 1 : 16 * 16 * 16, 1 + 1e-3);
   }
-  EXPECT_EQ(coarser.cells.count(), 32u * 32 * 32 - 8);
+  EXPECT_EQ(coarser.cells.count(), 16u * 16 * 16 - 1);
 }
 
 TEST(OctreeCells, RefusesWhatCannotBe) {
@@ -415,15 +415,18 @@ TEST(GroundCells, ViewersHaveRoomAndCellsDoNotOverlap) {
     const glm::vec3* c = &cells.corners[std::size_t{3} * cell];
     const auto [i, j] = std::minmax({random.unit(), random.unit()});
     const glm::vec3 feet = c[0] * i + c[1] * (j - i) + c[2] * (1 - j);
-    ASSERT_LE(cells_at(cells, feet.x, feet.y, feet.z), 2) << "two where the point lies on an edge";
-    tested += cells_at(cells, feet.x, feet.y, feet.z) == 1;
+    if (cell % 8 == 0) {  // each is looked for in all cells
+      const auto found = cells_at(cells, feet.x, feet.y, feet.z);
+      ASSERT_LE(found, 2) << "two where the point lies on an edge";
+      tested += found == 1;
+    }
     for (const float x : {-0.5f, 0.0f, 0.5f}) {  // some of the radius is given away for straight edges
       const glm::vec3 at = feet + glm::vec3(x * options.radius, x * options.radius, options.step + 1e-3f);
       ASSERT_GE(caster.hit(at, {0, 0, 1.6f - options.step}).distance, 1) << cell;
     }
     ASSERT_NEAR(caster.hit(feet + glm::vec3(0, 0, 0.2f), {0, 0, -1}).distance, 0.2f, 2e-3f) << "no ground";
   }
-  EXPECT_GT(tested, cells.prisms() * 9 / 10);
+  EXPECT_GT(tested, cells.prisms() / 8 * 9 / 10);
 }
 
 TEST(GroundCells, TheSameForAnyNumberOfThreads) {
