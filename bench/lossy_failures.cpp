@@ -35,7 +35,7 @@ struct Subject {
 };
 
 Code code_of(const Merge& merge, const VisibilityMatrix& original) {
-  return bench::code_of(find_codec(merge.data.columns_are_nodes ? "zach3-range" : "pair-ans"), merge,
+  return bench::code_of(find_codec(merge.data.source.columns_are_nodes ? "zach3-range" : "pair-ans"), merge,
                         original);
 }
 
@@ -131,7 +131,7 @@ std::string dense_rows(const std::vector<Subject>& subjects, const Options& opti
       "matrix,dense,share,method,max_per_cell,lost,cells,lost_share,bytes,poisoned,cell_median,cell_95,cell_"
       "worst\n";
   for (const auto& [name, data] : subjects) {
-    if (data.columns_are_nodes) continue;  // a random row is not monotone over a tree
+    if (data.source.columns_are_nodes) continue;  // a random row is not monotone over a tree
     const auto add = [&](std::uint32_t dense, double share, const char* method, double max_per_cell,
                          double lost) {
       Dataset with;
@@ -238,8 +238,8 @@ std::string trees(const std::vector<Subject>& subjects, const Options& options) 
   std::string csv =
       "matrix,way,lost,columns_left,cells_left,added,added_share,violations,cells_with_violations\n";
   for (const auto& [name, data] : subjects) {
-    if (!data.columns_are_nodes) continue;
-    const ObjectTree& tree = *data.tree;
+    if (!data.source.columns_are_nodes) continue;
+    const ObjectTree& tree = *data.source.tree;
     const Grouping& pairs = find_grouping("pairs");
     for (const double lost : {.01, options.lost}) {
       const auto add = [&](const char* way, const VisibilityMatrix& lossy, std::uint32_t columns,

@@ -28,11 +28,11 @@ namespace vismat::bench {
 /// The matrix of a file and, where its columns are nodes, their tree: what a merge here takes along.
 inline Dataset read_matrix(const std::filesystem::path& file) {
   Dataset data = read_dataset(file), bare;
-  if (!data.boundaries.empty()) throw std::invalid_argument(file.string() + ": holds differences, not cells");
+  if (!data.source.boundaries.empty()) throw std::invalid_argument(file.string() + ": holds differences, not cells");
   bare.matrix = std::move(data.matrix);
-  if (data.columns_are_nodes) {
-    bare.tree = std::move(data.tree);
-    bare.columns_are_nodes = true;
+  if (data.source.columns_are_nodes) {
+    bare.source.tree = std::move(data.source.tree);
+    bare.source.columns_are_nodes = true;
   }
   return bare;
 }
@@ -80,7 +80,7 @@ inline void put_in_order(Merge& merge, Ordered ordered) {
   const double start = wall_seconds();
   const VisibilityMatrix& matrix = merge.data.matrix;
   const auto [rows, columns] = matrix.shape();
-  const bool nodes = merge.data.columns_are_nodes;
+  const bool nodes = merge.data.source.columns_are_nodes;
   Permutation by_rows = Permutation::identity(rows), by_columns = Permutation::identity(columns);
   if (ordered == Ordered::yes) {
     by_rows = nodes ? order_rows_greedily(matrix) : best_order(transpose(matrix));
@@ -92,7 +92,7 @@ inline void put_in_order(Merge& merge, Ordered ordered) {
     if (groups) return group_bytes(groups).size();
     return order.is_identity() ? 0 : permutation_bytes(order.size());
   };
-  merge.names_bytes = names(merge.data.row_groups, by_rows) + names(merge.data.column_groups, by_columns);
+  merge.names_bytes = names(merge.data.source.row_groups, by_rows) + names(merge.data.source.column_groups, by_columns);
 }
 
 /// The original as it is, ordered alone.
@@ -124,19 +124,19 @@ struct Code {
 
 /// Written as a .vmat file, read again and compared with the original, row by row.
 inline Code code_of(const Codec& codec, const Merge& merge, const VisibilityMatrix& original) {
-  const ObjectTree* tree = merge.data.columns_are_nodes ? &*merge.data.tree : nullptr;
+  const ObjectTree* tree = merge.data.source.columns_are_nodes ? &*merge.data.source.tree : nullptr;
   Container container = compress(merge.data.matrix, codec, tree);
-  container.row_groups = merge.data.row_groups;
-  container.column_groups = merge.data.column_groups;
-  container.row_order = merge.data.row_order;
-  container.column_order = merge.data.column_order;
+  container.row_groups = merge.data.source.row_groups;
+  container.column_groups = merge.data.source.column_groups;
+  container.row_order = merge.data.source.row_order;
+  container.column_order = merge.data.source.column_order;
   const Container read = read_container(write_container(container));
   Dataset back;
   back.matrix = decompress(read, codec);
-  back.row_groups = read.row_groups;
-  back.column_groups = read.column_groups;
-  back.row_order = read.row_order;
-  back.column_order = read.column_order;
+  back.source.row_groups = read.row_groups;
+  back.source.column_groups = read.column_groups;
+  back.source.row_order = read.row_order;
+  back.source.column_order = read.column_order;
   const Loss loss = proven(loss_of(in_source_numbers(std::move(back)).matrix, original));
   if (loss.added != merge.loss.added)
     throw std::runtime_error(std::string(codec.name) + " adds to what was merged");

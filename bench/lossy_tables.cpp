@@ -58,7 +58,7 @@ void add_lines(const std::string& name, const Dataset& original, const Case& now
     const Code code = code_of(codec, merge, original.matrix);
     std::printf(" %13ju", std::uintmax_t{code.bytes});
     std::fflush(stdout);
-    csv += csv_line(name, rows, columns, original.matrix.ones(), original.columns_are_nodes, now.method,
+    csv += csv_line(name, rows, columns, original.matrix.ones(), original.source.columns_are_nodes, now.method,
                     now.side, now.lost, options.max_per_cell, cells, objects, merge.loss.added,
                     merge.loss.lost(), merge.loss.added_share(), median, high, worst, merge.merge_s,
                     merge.order_s, merge.names_bytes, bitmap_size(merge.data.matrix.shape()), codec.name,
@@ -71,7 +71,7 @@ void add_lines(const std::string& name, const Dataset& original, const Case& now
 void add_matrix(const std::filesystem::path& file, const Options& options, std::string& csv) {
   const Dataset original = read_matrix(file);
   const std::string name = name_of(file);
-  const bool nodes = original.columns_are_nodes;
+  const bool nodes = original.source.columns_are_nodes;
   const auto codecs = codecs_here(nodes ? options.node_codecs : options.codecs);
   std::vector<Case> cases;
   if (!options.no_lossless) cases.push_back({});

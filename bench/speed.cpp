@@ -50,10 +50,10 @@ int main(int argc, char** argv) {
   }
   try {
     Dataset data = read_dataset(argv[1]);
-    if (data.tree && !data.columns_are_nodes) data = over_nodes(data);
+    if (data.source.tree && !data.source.columns_are_nodes) data = over_nodes(data);
     const std::vector<Codec> codecs = all_codecs();
     for (const Codec& codec : codecs) {
-      const ObjectTree* const tree = tree_for(codec, data);
+      const ObjectTree* const tree = tree_for(codec, data.source);
       if (codec.over_tree == TreeOver::nothing || tree != nullptr) register_codec(codec, data.matrix, tree);
     }
     benchmark::RegisterBenchmark("order/greedy", [&data](benchmark::State& state) {

@@ -54,11 +54,11 @@ struct Subject {
 // Whole rows, which lead into a cell from outside, are no differences.
 Subject read(const std::filesystem::path& file) {
   const Dataset data = read_dataset(file);
-  if (data.boundaries.empty()) return {bench::name_of(file), data.matrix};
+  if (data.source.boundaries.empty()) return {bench::name_of(file), data.matrix};
   std::vector<std::uint64_t> offsets = {0};
   std::vector<std::uint32_t> ids;
-  for (std::size_t b = 0; b < data.boundaries.size(); ++b) {
-    if (data.boundaries[b].from == Boundary::outside) continue;
+  for (std::size_t b = 0; b < data.source.boundaries.size(); ++b) {
+    if (data.source.boundaries[b].from == Boundary::outside) continue;
     for (const std::size_t list : {2 * b, 2 * b + 1}) {
       const auto row = data.matrix.row(static_cast<std::uint32_t>(list));
       ids.insert(ids.end(), row.begin(), row.end());

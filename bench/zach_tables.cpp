@@ -96,8 +96,8 @@ Measurement measure(const Codec& codec, const VisibilityMatrix& matrix, const Ob
 // One line of Table 1 and, for each codec and row order, one of Table 2; the latter on the terminal too.
 void add_tables(const std::filesystem::path& path, std::string& scenes, std::string& table) {
   Dataset data = read_dataset(path);
-  if (data.tree && !data.columns_are_nodes) data = over_nodes(data);
-  if (!data.tree)
+  if (data.source.tree && !data.source.columns_are_nodes) data = over_nodes(data);
+  if (!data.source.tree)
     throw std::invalid_argument(path.string() + ": has no tree; make one with 'vismat tree --nodes'");
   const std::string name = name_of(path);
   const Shape shape = data.matrix.shape();
@@ -111,7 +111,7 @@ void add_tables(const std::filesystem::path& path, std::string& scenes, std::str
     const std::uint64_t order_bytes = order.name == "natural" ? 0 : permutation_bytes(shape.rows);
     for (const Codec& codec : all_codecs()) {
       if (!in_tables(codec) || (order.name == "neighbours" && !codec.wants_row_order)) continue;
-      const Measurement m = measure(codec, order.matrix, *data.tree);
+      const Measurement m = measure(codec, order.matrix, *data.source.tree);
       const std::size_t bytes = m.encoded.payload.size(), index_bytes = m.encoded.index.size();
       const double ratio = static_cast<double>(bitmap_size(shape)) / static_cast<double>(bytes);
       std::ostringstream run, entropy;  // empty for methods that code no lengths

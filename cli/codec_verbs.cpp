@@ -70,14 +70,14 @@ void add_encode(CLI::App& app) {
     if (options->seconds > 0 && !panne)
       throw std::invalid_argument("--seconds is for the search of codec panne; '" + options->codec + "' has none");
     Dataset data = read_dataset(options->in);
-    if (codec.over_tree == TreeOver::columns && data.tree && !data.columns_are_nodes) data = over_nodes(data);
-    if (codec.over_tree == TreeOver::rows && !data.row_tree) {
+    if (codec.over_tree == TreeOver::columns && data.source.tree && !data.source.columns_are_nodes) data = over_nodes(data);
+    if (codec.over_tree == TreeOver::rows && !data.source.row_tree) {
       if (data.row_bounds.empty()) {
         throw std::invalid_argument(options->in.string() +
                                     ": has no tree over its rows and no boxes to make one from; see 'vismat tree "
                                     "--side rows --by sets'");
       }
-      data.row_tree = bounding_volume_tree(data.row_bounds, 2);
+      data.source.row_tree = bounding_volume_tree(data.row_bounds, 2);
     }
     if (codec.wants_row_order && options->order == "greedy") {
       const Permutation order = order_rows_greedily(data.matrix, show_progress("ordering rows"));
@@ -87,14 +87,14 @@ void add_encode(CLI::App& app) {
         panne ? container_of(data.matrix, codec,
                              encode_panne(data.matrix, {.seconds = options->seconds,
                                                         .progress = show_progress("searching for clusters")}))
-              : compress(data.matrix, codec, tree_for(codec, data));
-    container.tree = data.tree;
-    container.row_tree = data.row_tree;
-    container.row_order = data.row_order;
-    container.column_order = data.column_order;
-    container.row_groups = data.row_groups;
-    container.column_groups = data.column_groups;
-    container.boundaries = data.boundaries;
+              : compress(data.matrix, codec, tree_for(codec, data.source));
+    container.tree = data.source.tree;
+    container.row_tree = data.source.row_tree;
+    container.row_order = data.source.row_order;
+    container.column_order = data.source.column_order;
+    container.row_groups = data.source.row_groups;
+    container.column_groups = data.source.column_groups;
+    container.boundaries = data.source.boundaries;
     container.facts = facts_of(data);
     write_file(options->out, write_container(container));
     const std::size_t payload = container.encoded.payload.size(), index = container.encoded.index.size();
@@ -104,9 +104,9 @@ void add_encode(CLI::App& app) {
                 static_cast<unsigned long long>(bitmap_size({rows, columns})));
     if (index > 0) std::printf("; index %zu bytes", index);
     const std::uint64_t orders =
-        (data.row_order ? permutation_bytes(rows) : 0) + (data.column_order ? permutation_bytes(columns) : 0);
+        (data.source.row_order ? permutation_bytes(rows) : 0) + (data.source.column_order ? permutation_bytes(columns) : 0);
     if (orders > 0) std::printf("; orders %llu bytes", static_cast<unsigned long long>(orders));
-    const std::size_t groups = group_bytes(data.row_groups).size() + group_bytes(data.column_groups).size();
+    const std::size_t groups = group_bytes(data.source.row_groups).size() + group_bytes(data.source.column_groups).size();
     if (groups > 0) std::printf("; groups %zu bytes", groups);
     std::printf("\n");
   });

@@ -100,7 +100,7 @@ void measure_rows(const RowReader& reader, const VisibilityMatrix& matrix, doubl
 }
 
 Figures measure(const Codec& codec, const Dataset& data, double seconds) {
-  const ObjectTree* tree = codec.over_tree == TreeOver::nothing ? nullptr : tree_for(codec, data);
+  const ObjectTree* tree = codec.over_tree == TreeOver::nothing ? nullptr : tree_for(codec, data.source);
   const VisibilityMatrix& matrix = data.matrix;
   Figures figures;
   Container container = compress(matrix, codec, tree);
@@ -129,7 +129,7 @@ Subject subject_of(const std::filesystem::path& file, const std::string& order, 
   s.order = order;
   s.data = read_dataset(file);
   const auto [rows, columns] = s.data.matrix.shape();
-  if (!s.data.row_tree && !s.data.row_bounds.empty()) s.data.row_tree = bounding_volume_tree(s.data.row_bounds, 2);
+  if (!s.data.source.row_tree && !s.data.row_bounds.empty()) s.data.source.row_tree = bounding_volume_tree(s.data.row_bounds, 2);
   if (distinct) {
     auto kinds = distinct_columns(s.data.matrix);
     s.permutation_bytes += static_cast<std::uint64_t>(
@@ -138,7 +138,7 @@ Subject subject_of(const std::filesystem::path& file, const std::string& order, 
     s.data.matrix = std::move(kinds.matrix);
     s.matrix += ", distinct columns";
   }
-  if (s.data.tree) s.nodes = s.data.columns_are_nodes ? s.data : over_nodes(s.data);
+  if (s.data.source.tree && s.data.source.boundaries.empty()) s.nodes = s.data.source.columns_are_nodes ? s.data : over_nodes(s.data);
   if (order == "best") {
     const Permutation by_columns = best_order(s.data.matrix, {.stages = show_progress}),
                       by_rows = best_order(transpose(s.data.matrix), {.stages = show_progress});
@@ -243,7 +243,7 @@ void add_compare(CLI::App& app) {
         for (const Codec& codec : codecs) {
           progress(done++, codecs.size());
           if (codec.over_tree == TreeOver::columns && !s.nodes) continue;
-          if (codec.over_tree == TreeOver::rows && !s.data.row_tree) continue;
+          if (codec.over_tree == TreeOver::rows && !s.data.source.row_tree) continue;
           const Figures figures =
               measure(codec, codec.over_tree == TreeOver::columns ? *s.nodes : s.data, options->seconds);
           print(s, codec, figures);

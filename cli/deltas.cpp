@@ -76,7 +76,8 @@ void print(const Deltas& deltas, const VisibilityMatrix& cells) {
            formatted("; %.1f %% of the lists are empty", 100 * share(empty, 2 * differences.size())));
 }
 
-// What goes by rows is left behind.
+// The same source map: what it says of rows it says of the view cells, of differences as of the cells themselves. Geometry of
+// rows is left behind.
 Dataset with_rows(const Dataset& of, VisibilityMatrix matrix) {
   Dataset result;
   result.matrix = std::move(matrix);
@@ -85,9 +86,7 @@ Dataset with_rows(const Dataset& of, VisibilityMatrix matrix) {
   result.guarantee = of.guarantee;
   result.seed = of.seed;
   result.column_bounds = of.column_bounds;
-  result.column_order = of.column_order;
-  result.column_groups = of.column_groups;
-  if (!of.columns_are_nodes) result.tree = of.tree;
+  result.source = of.source;
   return result;
 }
 
@@ -100,30 +99,29 @@ void make(const Options& options) {
   const std::string method = options.neighbours == "auto" ? known_neighbours(cells) : options.neighbours;
   Deltas deltas;
   try {
-    if (!cells.boundaries.empty())
+    if (!cells.source.boundaries.empty())
       throw std::invalid_argument("holds differences already; --undo makes cells of them");
     deltas = deltas_of(cells.matrix, neighbours_by(method, cells));
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(options.in.string() + ": " + error.what());
   }
   Dataset result = with_rows(cells, deltas.lists);
-  result.boundaries = deltas.boundaries;
+  result.source.boundaries = deltas.boundaries;
   result.rows_are = "boundary list";
   if (!result.provenance.empty()) result.provenance += "; ";
   result.provenance += "differences between neighbours " + std::string(meaning(method));
   write_dataset(options.out, result);
   line("neighbours", meaning(method));
   print(deltas, cells.matrix);
-  if (cells.columns_are_nodes) line("tree", "left out: what appears is not closed over its nodes");
 }
 
 void undo(const Options& options) {
   Dataset deltas = read_dataset(options.in);
   Dataset cells;
   try {
-    if (deltas.boundaries.empty() && deltas.matrix.shape().rows > 0)
+    if (deltas.source.boundaries.empty() && deltas.matrix.shape().rows > 0)
       throw std::invalid_argument("holds no boundaries; 'vismat deltas' makes them");
-    const Deltas lists = {std::move(deltas.boundaries), std::move(deltas.matrix)};
+    const Deltas lists = {std::exchange(deltas.source.boundaries, {}), std::move(deltas.matrix)};
     cells = with_rows(deltas, cells_of(lists));
     cells.row_neighbours = neighbours_of(lists.boundaries);
   } catch (const std::invalid_argument& error) {

@@ -48,7 +48,7 @@ void run(const Arguments& arguments) {
   std::printf("%s: %u %ss x %u %ss, %.1f %% visible", arguments.output.c_str(), shape.rows,
               dataset.rows_are.c_str(), shape.columns, dataset.columns_are.c_str(),
               dataset.matrix.density() * 100);
-  if (dataset.tree) std::printf(", a tree of %u nodes", dataset.tree->size());
+  if (dataset.source.tree) std::printf(", a tree of %u nodes", dataset.source.tree->size());
   std::printf("\n");
 }
 

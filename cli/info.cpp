@@ -70,18 +70,18 @@ void print_dataset(const Dataset& dataset) {
   if (dataset.row_neighbours)
     add(true, "row neighbours (" + grouped(dataset.row_neighbours->ones() / 2) + " pairs)");
   line("geometry", geometry.empty() ? "none" : geometry);
-  if (!dataset.boundaries.empty()) line("boundaries", summary_of(dataset.boundaries));
-  if (dataset.row_order || dataset.column_order) {
-    line("reordered", std::string(dataset.row_order ? "rows" : "") +
-                          (dataset.row_order && dataset.column_order ? ", " : "") +
-                          (dataset.column_order ? "columns" : ""));
+  if (!dataset.source.boundaries.empty()) line("boundaries", summary_of(dataset.source.boundaries));
+  if (dataset.source.row_order || dataset.source.column_order) {
+    line("reordered", std::string(dataset.source.row_order ? "rows" : "") +
+                          (dataset.source.row_order && dataset.source.column_order ? ", " : "") +
+                          (dataset.source.column_order ? "columns" : ""));
   }
-  print_groups("rows are", dataset.row_groups);
-  print_groups("columns are", dataset.column_groups);
-  if (dataset.row_tree) print_tree("tree over rows", *dataset.row_tree);
-  if (!dataset.tree) return line("tree", "none");
-  print_tree("tree", *dataset.tree);
-  if (dataset.columns_are_nodes) line("", "the columns are its nodes");
+  print_groups("rows are", dataset.source.row_groups);
+  print_groups("columns are", dataset.source.column_groups);
+  if (dataset.source.row_tree) print_tree("tree over rows", *dataset.source.row_tree);
+  if (!dataset.source.tree) return line("tree", "none");
+  print_tree("tree", *dataset.source.tree);
+  if (dataset.source.columns_are_nodes) line("", "the columns are its nodes");
 }
 
 void print_scene(const SceneFile& file) {

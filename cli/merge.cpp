@@ -37,7 +37,7 @@ void merge(const Options& options) {
                                 ": Matrix Market has no place for the map; write .bsp.h5");
   }
   Dataset data = read_dataset(options.in);
-  if (!data.boundaries.empty()) {
+  if (!data.source.boundaries.empty()) {
     throw std::invalid_argument(options.in.string() +
                                 ": holds differences; merge the cells, which 'vismat deltas --undo' makes of them");
   }
@@ -55,7 +55,7 @@ void merge(const Options& options) {
                                           .seed = options.seed,
                                           .threads = options.threads,
                                           .progress = show_progress("merging")});
-  const bool nodes = data.columns_are_nodes;
+  const bool nodes = data.source.columns_are_nodes;
   data = merged(std::move(data), groups.rows, groups.columns);
   if (!data.provenance.empty()) data.provenance += "; ";
   data.provenance += options.side + " merged by " + options.method +
@@ -71,12 +71,12 @@ void merge(const Options& options) {
   if (groups.columns) expanded = expand_columns(expanded, *groups.columns);
   print_loss(loss_of(expanded, original));
   line("map", grouped(group_bytes(groups.rows).size() + group_bytes(groups.columns).size()) + " bytes in a .vmat file");
-  if (nodes && !data.columns_are_nodes) line("tree", "left out: its nodes were merged");
+  if (nodes && !data.source.columns_are_nodes) line("tree", "left out: its nodes were merged");
 }
 
 void expand(const Options& options) {
   Dataset data = read_dataset(options.in);
-  if (!data.row_groups && !data.column_groups)
+  if (!data.source.row_groups && !data.source.column_groups)
     throw std::invalid_argument(options.in.string() + ": nothing in it was merged");
   write_dataset(options.out, in_source_numbers(std::move(data)));
 }

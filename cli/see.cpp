@@ -119,7 +119,7 @@ struct Output {
       dataset.sight_lines.push_back({line.from.x, line.from.y, line.from.z, line.to.x, line.to.y, line.to.z});
     }
     dataset.degree_of_visibility.assign(degree.begin(), degree.end());
-    if (dataset.tree && !arguments.objects) dataset = over_nodes(dataset);
+    if (dataset.source.tree && !arguments.objects) dataset = over_nodes(dataset);
     write_dataset(path, dataset);
     const Shape shape = dataset.matrix.shape();
     std::printf("%s: %s view cells x %s %ss, %.2f %% visible, %s\n", path.c_str(),
@@ -219,7 +219,7 @@ void run(const Arguments& arguments) {
   output.all.row_bounds = cell_bounds(file.cells);
   output.all.column_bounds = object_bounds(file.scene);
   output.all.row_neighbours = file.cells.neighbours;
-  output.all.tree = std::move(file.tree);
+  output.all.source.tree = std::move(file.tree);
 
   if (climbing) {
     if (crew->leads()) run_climbing(arguments, file, output);

@@ -19,7 +19,7 @@ struct Arguments {
 };
 
 ObjectTree tree_over_columns(const Dataset& dataset, const Arguments& arguments) {
-  if (dataset.columns_are_nodes) {
+  if (dataset.source.columns_are_nodes) {
     throw std::invalid_argument(arguments.input + ": its columns are the nodes of a tree already");
   }
   if (arguments.by == "sets") throw std::invalid_argument("--by sets makes trees over rows; add --side rows");
@@ -46,11 +46,11 @@ ObjectTree tree_over_rows(const Dataset& dataset, const Arguments& arguments) {
 void run(const Arguments& arguments) {
   Dataset dataset = read_dataset(arguments.input);
   const bool rows = arguments.side == "rows";
-  auto& tree = rows ? dataset.row_tree : dataset.tree;
+  auto& tree = rows ? dataset.source.row_tree : dataset.source.tree;
   tree = rows ? tree_over_rows(dataset, arguments) : tree_over_columns(dataset, arguments);
   if (arguments.nodes) dataset = over_nodes(dataset);
   write_dataset(arguments.output, dataset);
-  const ObjectTree& made = rows ? *dataset.row_tree : *dataset.tree;
+  const ObjectTree& made = rows ? *dataset.source.row_tree : *dataset.source.tree;
   std::printf("%s: a tree of %u nodes over %u %s\n", arguments.output.c_str(), made.size(),
               made.object_count(), rows ? "rows" : "objects");
 }

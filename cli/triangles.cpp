@@ -43,7 +43,7 @@ void run(const Arguments& arguments) {
   const SceneFile file = read_any_scene(arguments.scene).file;
   const Dataset dataset = read_dataset(arguments.matrix);
   const Shape shape = dataset.matrix.shape(), right = {file.cells.count(), file.scene.object_count};
-  if (dataset.columns_are_nodes || !dataset.boundaries.empty() || shape != right) {
+  if (dataset.source.columns_are_nodes || !dataset.source.boundaries.empty() || shape != right) {
     throw std::invalid_argument(arguments.matrix + ": need a matrix of the scene's " +
                                 std::to_string(right.rows) + " view cells x " +
                                 std::to_string(right.columns) + " objects");

@@ -19,7 +19,7 @@ void read_facts(const std::string& facts, Dataset& data) {
     const std::string key = line.substr(0, colon), value = line.substr(colon + 2);
     if (key == "rows_are") data.rows_are = value;
     if (key == "columns_are") data.columns_are = value;
-    if (key == "columns_are_nodes") data.columns_are_nodes = value == "yes";
+    if (key == "columns_are_nodes") data.source.columns_are_nodes = value == "yes";
     if (key == "provenance") data.provenance = value;
     try {
       if (key == "guarantee") data.guarantee = guarantee_from_string(value);
@@ -34,19 +34,19 @@ Dataset dataset_of(const Container& container) {
   Dataset data;
   read_facts(container.facts, data);
   data.matrix = decompress(container, find_codec(container.codec));
-  data.tree = container.tree;
-  data.row_tree = container.row_tree;
-  data.row_order = container.row_order;
-  data.column_order = container.column_order;
-  data.row_groups = container.row_groups;
-  data.column_groups = container.column_groups;
-  data.boundaries = container.boundaries;
+  data.source.tree = container.tree;
+  data.source.row_tree = container.row_tree;
+  data.source.row_order = container.row_order;
+  data.source.column_order = container.column_order;
+  data.source.row_groups = container.row_groups;
+  data.source.column_groups = container.column_groups;
+  data.source.boundaries = container.boundaries;
   if (const std::uint32_t columns = container.shape.columns;
-      data.tree ? (data.columns_are_nodes ? data.tree->size() : data.tree->object_count()) != columns
-                : data.columns_are_nodes) {
+      data.source.tree ? (data.source.columns_are_nodes ? data.source.tree->size() : data.source.tree->object_count()) != columns
+                : data.source.columns_are_nodes) {
     throw FormatError("tree section: does not fit the " + std::to_string(columns) + " columns");
   }
-  if (data.row_tree && data.row_tree->object_count() != container.shape.rows)
+  if (data.source.row_tree && data.source.row_tree->object_count() != container.shape.rows)
     throw FormatError("row tree section: does not fit the " + std::to_string(container.shape.rows) + " rows");
   return data;
 }
@@ -56,7 +56,7 @@ Dataset dataset_of(const Container& container) {
 std::string facts_of(const Dataset& data) {
   std::string facts = "rows_are: " + data.rows_are + "\ncolumns_are: " + data.columns_are + "\n";
   facts += "guarantee: " + std::string(to_string(data.guarantee)) + "\n";
-  if (data.columns_are_nodes) facts += "columns_are_nodes: yes\n";
+  if (data.source.columns_are_nodes) facts += "columns_are_nodes: yes\n";
   if (data.seed) facts += "seed: " + std::to_string(*data.seed) + "\n";
   if (!data.provenance.empty()) facts += "provenance: " + data.provenance + "\n";
   return facts;

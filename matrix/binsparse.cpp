@@ -432,26 +432,73 @@ void write_tree(Hdf5File& file, const std::string& group, const std::optional<Ob
   file.write_attribute(group, "object_count", tree->object_count());
 }
 
-void check_trees(const Dataset& dataset) {
-  if (const std::uint32_t rows = dataset.matrix.shape().rows;
-      dataset.row_tree && dataset.row_tree->object_count() != rows) {
-    fail(row_tree_group, "has " + std::to_string(dataset.row_tree->object_count()) +
-                             " objects, but there are " + std::to_string(rows) + " rows");
+constexpr const char* row_names_array = "/vismat/row_names";
+constexpr const char* column_names_array = "/vismat/column_names";
+constexpr const char* column_levels_array = "/vismat/column_levels";
+
+std::vector<std::string> read_names(const Hdf5File& file, const std::string& name) {
+  if (!file.contains(name)) return {};
+  const std::vector<std::uint8_t> bytes = file.read<std::uint8_t>(name);
+  if (bytes.empty() || bytes.back() != 0) fail(name, "must be names with a zero byte behind each");
+  std::vector<std::string> names;
+  for (auto at = bytes.begin(); at != bytes.end();) {
+    const auto end = std::find(at, bytes.end(), std::uint8_t{0});
+    names.emplace_back(at, end);
+    at = end + 1;
   }
-  const std::uint32_t columns = dataset.matrix.shape().columns;
-  if (!dataset.tree) {
-    if (dataset.columns_are_nodes)
-      fail("/", "attribute vismat_columns_are_nodes is set, but " + tree_group + " is missing");
-    return;
+  return names;
+}
+
+void write_names(Hdf5File& file, const std::string& name, const std::vector<std::string>& names) {
+  if (names.empty()) return;
+  std::vector<std::uint8_t> bytes;
+  for (const std::string& n : names) {
+    bytes.insert(bytes.end(), n.begin(), n.end());
+    bytes.push_back(0);
   }
-  const std::uint32_t named = dataset.columns_are_nodes ? dataset.tree->size() : dataset.tree->object_count();
-  if (named != columns) {
-    fail(tree_group, "has " + std::to_string(named) + (dataset.columns_are_nodes ? " nodes" : " objects") +
-                         ", but there are " + std::to_string(columns) + " columns");
+  file.write<std::uint8_t>(name, bytes, {bytes.size()});
+}
+
+std::vector<ObjectLevel> read_levels(const Hdf5File& file) {
+  const std::string name = column_levels_array;
+  if (!file.contains(name)) return {};
+  const auto dimensions = file.dimensions(name);
+  if (dimensions.size() != 2 || dimensions[1] != 2) fail(name, "must have dimensions [columns of the source, 2]");
+  const std::vector<std::uint32_t> numbers = file.read<std::uint32_t>(name);
+  std::vector<ObjectLevel> levels(numbers.size() / 2);
+  for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = {numbers[2 * i], numbers[2 * i + 1]};
+  return levels;
+}
+
+void write_levels(Hdf5File& file, const std::vector<ObjectLevel>& levels) {
+  if (levels.empty()) return;
+  std::vector<std::uint32_t> numbers;
+  for (const auto [object, level] : levels) numbers.insert(numbers.end(), {object, level});
+  file.write<std::uint32_t>(column_levels_array, numbers, {levels.size(), 2});
+}
+
+SourceMap read_source_map(const Hdf5File& file, const VisibilityMatrix& matrix) {
+  const Shape shape = matrix.shape();
+  SourceMap map;
+  map.columns_are_nodes = file.number_attribute("/", "vismat_columns_are_nodes").value_or(0) != 0;
+  map.boundaries = read_boundaries(file, shape.rows);
+  map.row_order = read_order(file, "/vismat/row_order", map.rows_of(shape));
+  map.column_order = read_order(file, "/vismat/column_order", shape.columns);
+  map.row_groups = read_groups(file, "/vismat/row_groups", map.rows_of(shape), "/vismat/row_order");
+  map.column_groups = read_groups(file, "/vismat/column_groups", shape.columns, "/vismat/column_order");
+  map.tree = read_tree(file, tree_group);
+  map.row_tree = read_tree(file, row_tree_group);
+  map.row_names = read_names(file, row_names_array);
+  map.column_names = read_names(file, column_names_array);
+  map.column_levels = read_levels(file);
+  try {
+    check_source_map(map, shape);
+  } catch (const std::invalid_argument& error) {
+    throw FormatError(std::string("/vismat/") + error.what());
   }
-  if (dataset.columns_are_nodes && !is_monotone(dataset.matrix, *dataset.tree)) {
+  if (map.columns_are_nodes && map.boundaries.empty() && !is_monotone(matrix, *map.tree))
     fail("/indices_1", "a row sees a node of " + tree_group + " but not its parent");
-  }
+  return map;
 }
 
 }  // namespace
@@ -477,23 +524,15 @@ Dataset read_binsparse(const Hdf5File& file) {
     }
   }
   dataset.seed = file.number_attribute("/", "vismat_seed");
-  dataset.columns_are_nodes = file.number_attribute("/", "vismat_columns_are_nodes").value_or(0) != 0;
   dataset.row_bounds = read_boxes(file, "/vismat/row_bounds", shape.rows);
   dataset.column_bounds = read_boxes(file, "/vismat/column_bounds", shape.columns);
-  dataset.row_order = read_order(file, "/vismat/row_order", shape.rows);
-  dataset.column_order = read_order(file, "/vismat/column_order", shape.columns);
   dataset.row_neighbours = read_neighbours(file, shape.rows);
   const std::vector<float> lines = read_of_entries(file, "/vismat/sight_lines", dataset.matrix.ones(), 6);
   dataset.sight_lines.resize(lines.size() / 6);
   for (std::size_t i = 0; i < lines.size(); ++i) dataset.sight_lines[i / 6][i % 6] = lines[i];
   dataset.degree_of_visibility =
       read_of_entries(file, "/vismat/degree_of_visibility", dataset.matrix.ones(), 1);
-  dataset.boundaries = read_boundaries(file, shape.rows);
-  dataset.row_groups = read_groups(file, "/vismat/row_groups", shape.rows, "/vismat/row_order");
-  dataset.column_groups = read_groups(file, "/vismat/column_groups", shape.columns, "/vismat/column_order");
-  dataset.tree = read_tree(file, tree_group);
-  dataset.row_tree = read_tree(file, row_tree_group);
-  check_trees(dataset);
+  dataset.source = read_source_map(file, dataset.matrix);
   return dataset;
 }
 
@@ -520,13 +559,14 @@ void write_binsparse(Hdf5File& file, const Dataset& dataset) {
   file.write_attribute("/", "vismat_provenance", dataset.provenance);
   file.write_attribute("/", "vismat_guarantee", std::string(to_string(dataset.guarantee)));
   if (dataset.seed) file.write_attribute("/", "vismat_seed", *dataset.seed);
-  if (dataset.columns_are_nodes) file.write_attribute("/", "vismat_columns_are_nodes", 1);
+  const SourceMap& map = dataset.source;
+  if (map.columns_are_nodes) file.write_attribute("/", "vismat_columns_are_nodes", 1);
   write_boxes(file, "/vismat/row_bounds", dataset.row_bounds);
   write_boxes(file, "/vismat/column_bounds", dataset.column_bounds);
-  write_order(file, "/vismat/row_order", dataset.row_order);
-  write_order(file, "/vismat/column_order", dataset.column_order);
-  write_groups(file, "/vismat/row_groups", dataset.row_groups);
-  write_groups(file, "/vismat/column_groups", dataset.column_groups);
+  write_order(file, "/vismat/row_order", map.row_order);
+  write_order(file, "/vismat/column_order", map.column_order);
+  write_groups(file, "/vismat/row_groups", map.row_groups);
+  write_groups(file, "/vismat/column_groups", map.column_groups);
   if (dataset.row_neighbours) {
     const VisibilityMatrix& neighbours = *dataset.row_neighbours;
     file.write(neighbours_group + "/pointers_to_1", neighbours.offsets(), {neighbours.offsets().size()});
@@ -541,9 +581,12 @@ void write_binsparse(Hdf5File& file, const Dataset& dataset) {
     assert(dataset.degree_of_visibility.size() == matrix.ones());
     file.write<float>("/vismat/degree_of_visibility", dataset.degree_of_visibility, {matrix.ones()});
   }
-  write_boundaries(file, dataset.boundaries);
-  write_tree(file, tree_group, dataset.tree);
-  write_tree(file, row_tree_group, dataset.row_tree);
+  write_boundaries(file, map.boundaries);
+  write_tree(file, tree_group, map.tree);
+  write_tree(file, row_tree_group, map.row_tree);
+  write_names(file, row_names_array, map.row_names);
+  write_names(file, column_names_array, map.column_names);
+  write_levels(file, map.column_levels);
 }
 
 }  // namespace vismat

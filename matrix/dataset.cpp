@@ -56,15 +56,6 @@ std::vector<Box> moved(const std::vector<Box>& boxes, const Permutation& order) 
   return result;
 }
 
-ObjectTree with_objects_moved(const ObjectTree& tree, const Permutation& order) {
-  std::vector<std::uint32_t> parents(tree.parent_of_node().begin(), tree.parent_of_node().end());
-  std::vector<std::uint32_t> objects(tree.object_of_node().begin(), tree.object_of_node().end());
-  for (std::uint32_t& object : objects) {
-    if (object != ObjectTree::none) object = order.new_of_old()[object];
-  }
-  return ObjectTree::from_parents(std::move(parents), std::move(objects), tree.object_count());
-}
-
 // Boxes around each group's.
 std::vector<Box> merged_boxes(const std::vector<Box>& boxes, const Partition& groups) {
   if (boxes.empty()) return {};
@@ -89,30 +80,6 @@ VisibilityMatrix merged_neighbours(const VisibilityMatrix& neighbours, const Par
     std::erase(rows[g], g);
   }
   return VisibilityMatrix::from_rows(rows, groups.groups());
-}
-
-ObjectTree with_objects_merged(const ObjectTree& tree, const Partition& groups) {
-  std::vector<std::uint32_t> objects(tree.object_of_node().begin(), tree.object_of_node().end());
-  for (std::uint32_t& object : objects) {
-    if (object != ObjectTree::none) object = groups.group_of_member()[object];
-  }
-  return ObjectTree::from_parents({tree.parent_of_node().begin(), tree.parent_of_node().end()},
-                                  std::move(objects), groups.groups());
-}
-
-// From the source's numbers to the groups of what stands there now.
-Partition from_source(const std::optional<Partition>& groups, const std::optional<Permutation>& order,
-                      const Partition& then) {
-  if (groups) return followed_by(*groups, then);
-  if (!order) return then;
-  return followed_by(renumbered(Partition::identity(order->size()), *order), then);
-}
-
-Permutation followed_by(const std::optional<Permutation>& first, const Permutation& then) {
-  if (!first) return then;
-  std::vector<std::uint32_t> map(first->new_of_old().begin(), first->new_of_old().end());
-  for (std::uint32_t& place : map) place = then.new_of_old()[place];
-  return Permutation::from_new_of_old(std::move(map));
 }
 
 }  // namespace
@@ -168,15 +135,13 @@ void drop_entries(Dataset& dataset) {
 }  // namespace
 
 Dataset over_nodes(const Dataset& objects) {
-  assert(objects.tree && !objects.columns_are_nodes);
+  assert(objects.source.tree && !objects.source.columns_are_nodes);
   Dataset nodes = objects;
-  nodes.matrix = nodes_from_objects(objects.matrix, *objects.tree);
+  nodes.matrix = nodes_from_objects(objects.matrix, *objects.source.tree);
   nodes.columns_are = "node";
-  nodes.columns_are_nodes = true;
+  nodes.source = over_nodes(std::move(nodes.source));
   drop_entries(nodes);
-  nodes.column_order.reset();
-  nodes.column_groups.reset();
-  nodes.column_bounds = node_bounds(*objects.tree, objects.column_bounds);
+  nodes.column_bounds = node_bounds(*objects.source.tree, objects.column_bounds);
   return nodes;
 }
 
@@ -187,80 +152,57 @@ Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& c
   dataset.column_bounds = moved(dataset.column_bounds, columns);
   if (dataset.row_neighbours)
     dataset.row_neighbours = permute(std::move(*dataset.row_neighbours), rows, rows);
-  if (!rows.is_identity()) dataset.boundaries.clear();
-  if (dataset.tree && !columns.is_identity()) {
-    dataset.tree =
-        dataset.columns_are_nodes ? std::nullopt : std::optional(with_objects_moved(*dataset.tree, columns));
-    dataset.columns_are_nodes = false;
-  }
-  if (dataset.row_tree && !rows.is_identity()) dataset.row_tree = with_objects_moved(*dataset.row_tree, rows);
-  if (dataset.row_groups) {
-    dataset.row_groups = renumbered(*dataset.row_groups, rows);
-  } else if (dataset.row_order || !rows.is_identity()) {
-    dataset.row_order = followed_by(dataset.row_order, rows);
-  }
-  if (dataset.column_groups) {
-    dataset.column_groups = renumbered(*dataset.column_groups, columns);
-  } else if (dataset.column_order || !columns.is_identity()) {
-    dataset.column_order = followed_by(dataset.column_order, columns);
-  }
+  dataset.source = reordered(std::move(dataset.source), rows, columns);
   return dataset;
 }
 
 Dataset in_source_order(Dataset dataset) {
   const auto [rows, columns] = dataset.matrix.shape();
-  const Permutation row_back = dataset.row_order ? dataset.row_order->inverse() : Permutation::identity(rows),
-                    column_back = dataset.column_order ? dataset.column_order->inverse()
-                                                       : Permutation::identity(columns);
+  const SourceMap& source = dataset.source;
+  const bool moves_rows = source.row_order && source.boundaries.empty();
+  const Permutation row_back = moves_rows ? source.row_order->inverse() : Permutation::identity(rows),
+                    column_back = source.column_order ? source.column_order->inverse() : Permutation::identity(columns);
   dataset = reordered(std::move(dataset), row_back, column_back);
-  dataset.row_order.reset();
-  dataset.column_order.reset();
+  if (moves_rows) dataset.source.row_order.reset();
+  dataset.source.column_order.reset();
   return dataset;
 }
 
 Dataset merged(Dataset dataset, const std::optional<Partition>& rows,
                const std::optional<Partition>& columns) {
-  assert(dataset.boundaries.empty());
   if (rows || columns) drop_entries(dataset);
   if (rows) {
     dataset.matrix = merge_rows(dataset.matrix, *rows);
     dataset.row_bounds = merged_boxes(dataset.row_bounds, *rows);
     if (dataset.row_neighbours) dataset.row_neighbours = merged_neighbours(*dataset.row_neighbours, *rows);
-    dataset.row_groups = from_source(dataset.row_groups, dataset.row_order, *rows);
-    dataset.row_order.reset();
-    dataset.row_tree.reset();
   }
   if (columns) {
     dataset.matrix = merge_columns(dataset.matrix, *columns);
     dataset.column_bounds = merged_boxes(dataset.column_bounds, *columns);
-    dataset.column_groups = from_source(dataset.column_groups, dataset.column_order, *columns);
-    dataset.column_order.reset();
-    if (dataset.columns_are_nodes) {
-      dataset.tree.reset();
-    } else if (dataset.tree) {
-      dataset.tree = with_objects_merged(*dataset.tree, *columns);
-    }
-    dataset.columns_are_nodes = false;
   }
+  dataset.source = merged(std::move(dataset.source), rows, columns);
   if (dataset.guarantee == Guarantee::exact) dataset.guarantee = Guarantee::conservative;
   if (dataset.guarantee == Guarantee::aggressive) dataset.guarantee = Guarantee::unknown;
   return dataset;
 }
 
 Dataset in_source_numbers(Dataset dataset) {
-  if (dataset.row_groups || dataset.column_groups) drop_entries(dataset);
-  if (dataset.row_groups) {
-    dataset.matrix = expand_rows(dataset.matrix, *dataset.row_groups);
-    dataset.row_groups.reset();
+  SourceMap& source = dataset.source;
+  const bool expands_rows = source.row_groups && source.boundaries.empty();
+  if (expands_rows || source.column_groups) drop_entries(dataset);
+  if (expands_rows) {
+    dataset.matrix = expand_rows(dataset.matrix, *source.row_groups);
+    source.row_groups.reset();
     dataset.row_bounds.clear();
     dataset.row_neighbours.reset();
-    dataset.row_tree.reset();
+    source.row_tree.reset();
   }
-  if (dataset.column_groups) {
-    dataset.matrix = expand_columns(dataset.matrix, *dataset.column_groups);
-    dataset.column_groups.reset();
+  if (source.column_groups) {
+    dataset.matrix = expand_columns(dataset.matrix, *source.column_groups);
+    source.column_groups.reset();
     dataset.column_bounds.clear();
-    dataset.tree.reset();
+    source.tree.reset();
+    source.columns_are_nodes = false;
   }
   return in_source_order(std::move(dataset));
 }

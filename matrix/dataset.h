@@ -9,19 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "matrix/deltas.h"
-#include "matrix/object_tree.h"
-#include "matrix/partition.h"
-#include "matrix/permutation.h"
+#include "matrix/box.h"
+#include "matrix/source_map.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {
-
-/// Axis-aligned, in the scene's units.
-struct Box {
-  std::array<float, 3> low{}, high{};
-  bool operator==(const Box&) const = default;
-};
 
 /// exact: what is listed is what is visible. conservative: may list hidden objects, misses none. aggressive: may
 /// miss, never invents.
@@ -45,19 +37,8 @@ struct Dataset {
   /// columns change.
   std::vector<std::array<float, 6>> sight_lines;
   std::vector<float> degree_of_visibility;
-  /// Between which view cells the rows are differences, as in Deltas: rows == 2 * boundaries.size().
-  std::vector<Boundary> boundaries;
-  /// A hierarchy over the columns: its leafs name them (object_count() == columns). Where columns_are_nodes, each
-  /// column is a node of it instead (size() == columns) and the matrix is monotone over the tree.
-  std::optional<ObjectTree> tree;
-  bool columns_are_nodes = false;
-  /// A hierarchy over the rows: its leafs name them as objects (object_count() == rows).
-  std::optional<ObjectTree> row_tree;
-  /// Where the rows and columns of the source stand now, if they were reordered: new_of_old() leads from its numbers.
-  std::optional<Permutation> row_order, column_order;
-  /// If rows or columns were merged: which one stands now for each of the source's. It tells of a later order too, so there
-  /// is no row_order beside row_groups.
-  std::optional<Partition> row_groups, column_groups;
+  /// Orders, groups, trees, boundaries, names: how rows and columns relate to those of the source.
+  SourceMap source;
   bool operator==(const Dataset&) const = default;
 };
 
@@ -69,20 +50,20 @@ Dataset read_dataset(const std::filesystem::path& path);
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 
 /// The same matrix over the tree's nodes instead of its objects (nodes_from_objects), tree kept; a node's box, where
-/// boxes are known, is the least around its objects. Orders and groups of the objects cannot follow and are left out. Needs
-/// a tree and columns that are objects.
+/// boxes are known, is the least around its objects. Orders, groups and names of the objects cannot follow and are left out.
+/// Needs a tree and columns that are objects.
 Dataset over_nodes(const Dataset& objects);
 
-/// Rows and columns in a new order, with all that goes by them: boxes, neighbours, the objects in the trees; row_order and
-/// column_order, or the groups, lead from the source's numbers to the present ones. A tree whose nodes are the columns cannot
-/// follow another order of columns and is left out, boundaries another order of rows.
+/// Rows and columns in a new order, with all that goes by them: boxes, neighbours, and the source map as its own reordered()
+/// says.
 Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& columns);
-/// Undoes what row_order and column_order tell, and is without them.
+/// Undoes what the source map's orders tell, and is without them. Rows that are differences stay as they are, and the order of
+/// the view cells with them.
 Dataset in_source_order(Dataset dataset);
 
 /// Rows and columns merged into the groups' unions, with boxes around the members' and what else goes by them; an absent
-/// partition leaves its side as it is. What was exact becomes conservative, what was aggressive unknown. A tree over merged
-/// rows, or whose nodes are merged columns, is left out; objects in a tree follow. Needs a dataset without boundaries.
+/// partition leaves its side as it is. What was exact becomes conservative, what was aggressive unknown. The source map becomes
+/// what its own merged() says. Needs a dataset without boundaries.
 Dataset merged(Dataset dataset, const std::optional<Partition>& rows,
                const std::optional<Partition>& columns);
 /// The matrix in the source's numbers: each of its rows and columns as its group. Geometry and trees of a merged side are left

@@ -2,7 +2,7 @@
 #pragma once
 #include <span>
 
-#include "matrix/dataset.h"
+#include "matrix/box.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

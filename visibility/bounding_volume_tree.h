@@ -2,7 +2,7 @@
 #pragma once
 #include <span>
 
-#include "matrix/dataset.h"
+#include "matrix/box.h"
 #include "matrix/object_tree.h"
 
 namespace vismat {

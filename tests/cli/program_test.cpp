@@ -276,8 +276,8 @@ TEST(Program, OrdersAndTellsHowFarFromTheBound) {
   EXPECT_LT(json["runs_after"].get<std::uint64_t>(), json["runs_before"].get<std::uint64_t>());
   EXPECT_GT(json["peak_bytes"].get<std::uint64_t>(), 0u);
   const Dataset after = read_dataset(folder / "out.bsp.h5");
-  ASSERT_TRUE(after.row_order && after.column_order);
-  EXPECT_EQ(permute(before.matrix, *after.row_order, *after.column_order), after.matrix);
+  ASSERT_TRUE(after.source.row_order && after.source.column_order);
+  EXPECT_EQ(permute(before.matrix, *after.source.row_order, *after.source.column_order), after.matrix);
 }
 
 TEST(Program, TakesDifferencesAndUndoesThem) {

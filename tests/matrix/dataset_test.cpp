@@ -33,8 +33,11 @@ Dataset full_dataset() {
   dataset.row_neighbours = VisibilityMatrix::from_rows({{1}, {0, 2}, {1}}, 3);
   dataset.sight_lines = {{0, 0, 0, 1, 2, 3}, {1, 1, 1, 9, 9, 9}, {-1, 0, 0, 5, 6, 5}, {0, 0, 0, 9, 9, 9}};
   dataset.degree_of_visibility = {0.5f, 0.001f, 0, 1};
-  dataset.tree = ObjectTree::from_parents({none, 0, 0, 2, 2}, {none, 0, none, 1, 2}, 3);
-  dataset.row_tree = ObjectTree::from_parents({none, 0, 0, 2, 2}, {none, 2, none, 0, 1}, 3);
+  dataset.source.tree = ObjectTree::from_parents({none, 0, 0, 2, 2}, {none, 0, none, 1, 2}, 3);
+  dataset.source.row_tree = ObjectTree::from_parents({none, 0, 0, 2, 2}, {none, 2, none, 0, 1}, 3);
+  dataset.source.row_names = {"hall", "", "stairs"};
+  dataset.source.column_names = {"floor", "T\xc3\xbcr", "lamp"};
+  dataset.source.column_levels = {{0, 0}, {0, 1}, {7, 0}};
   return dataset;
 }
 
@@ -43,7 +46,7 @@ Dataset differences() {
   const auto cells = VisibilityMatrix::from_rows({{0, 2}, {}, {1, 2}, {1}}, 3);
   Deltas deltas = deltas_of(cells, VisibilityMatrix::from_rows({{1}, {0, 3}, {}, {1}}, 4));
   dataset.matrix = std::move(deltas.lists);
-  dataset.boundaries = std::move(deltas.boundaries);
+  dataset.source.boundaries = std::move(deltas.boundaries);
   dataset.rows_are = "boundary list";
   return dataset;
 }
@@ -77,16 +80,16 @@ TEST(Dataset, ReorderedMovesAllThatGoesByRowsAndColumns) {
   EXPECT_EQ(after.row_bounds[2], before.row_bounds[0]);
   EXPECT_EQ(after.column_bounds[1], before.column_bounds[0]);
   EXPECT_EQ(*after.row_neighbours, VisibilityMatrix::from_rows({{1, 2}, {0}, {0}}, 3));
-  EXPECT_EQ(after.tree->object_of_node()[1], 1u);
-  EXPECT_EQ(after.row_tree->object_of_node()[1], 1u);
-  EXPECT_EQ(after.row_order, rows);
+  EXPECT_EQ(after.source.tree->object_of_node()[1], 1u);
+  EXPECT_EQ(after.source.row_tree->object_of_node()[1], 1u);
+  EXPECT_EQ(after.source.row_order, rows);
 
   // Back again: nothing but the record of having moved is left, and what goes by entries is gone.
   Dataset again = reordered(after, rows.inverse(), columns.inverse());
-  EXPECT_TRUE(again.row_order->is_identity());
-  EXPECT_TRUE(again.column_order->is_identity());
-  again.row_order.reset();
-  again.column_order.reset();
+  EXPECT_TRUE(again.source.row_order->is_identity());
+  EXPECT_TRUE(again.source.column_order->is_identity());
+  again.source.row_order.reset();
+  again.source.column_order.reset();
   EXPECT_TRUE(again.sight_lines.empty());
   again.sight_lines = before.sight_lines;
   again.degree_of_visibility = before.degree_of_visibility;
@@ -96,21 +99,21 @@ TEST(Dataset, ReorderedMovesAllThatGoesByRowsAndColumns) {
 TEST(Dataset, ReorderedLeavesOutATreeWhoseNodesTheColumnsWere) {
   const Dataset nodes = over_nodes(full_dataset());
   const auto rows = Permutation::identity(3);
-  EXPECT_TRUE(reordered(nodes, rows, Permutation::identity(5)).tree);
+  EXPECT_TRUE(reordered(nodes, rows, Permutation::identity(5)).source.tree);
   const Dataset after = reordered(nodes, rows, Permutation::from_new_of_old({1, 0, 2, 3, 4}));
-  EXPECT_FALSE(after.tree);
-  EXPECT_FALSE(after.columns_are_nodes);
+  EXPECT_FALSE(after.source.tree);
+  EXPECT_FALSE(after.source.columns_are_nodes);
 }
 
 TEST(Dataset, ReorderedKeepsBoundariesUnlessRowsMove) {
   const Dataset before = differences();
   const auto columns = Permutation::from_new_of_old({1, 0, 2});
   const Dataset after = reordered(before, Permutation::identity(8), columns);
-  EXPECT_EQ(after.boundaries, before.boundaries);
-  EXPECT_EQ(cells_of({after.boundaries, after.matrix}),
-            permute(cells_of({before.boundaries, before.matrix}), Permutation::identity(4), columns));
+  EXPECT_EQ(after.source.boundaries, before.source.boundaries);
+  EXPECT_EQ(cells_of({after.source.boundaries, after.matrix}),
+            permute(cells_of({before.source.boundaries, before.matrix}), Permutation::identity(4), columns));
   const auto rows = Permutation::from_new_of_old({1, 0, 2, 3, 4, 5, 6, 7});
-  EXPECT_TRUE(reordered(before, rows, columns).boundaries.empty());
+  EXPECT_TRUE(reordered(before, rows, columns).source.boundaries.empty());
 }
 
 TEST(Dataset, MergedUnitesAllThatGoesByRowsAndColumns) {
@@ -120,15 +123,15 @@ TEST(Dataset, MergedUnitesAllThatGoesByRowsAndColumns) {
   EXPECT_EQ(rows.matrix, VisibilityMatrix::from_rows({{0, 1, 2}, {}}, 3));
   EXPECT_EQ(rows.row_bounds[0], (Box{{-3.5f, 0, 0}, {1, 1, 1e9f}}));
   EXPECT_EQ(*rows.row_neighbours, VisibilityMatrix::from_rows({{1}, {0}}, 2));
-  EXPECT_EQ(rows.tree, before.tree);
-  EXPECT_FALSE(rows.row_tree);
+  EXPECT_EQ(rows.source.tree, before.source.tree);
+  EXPECT_FALSE(rows.source.row_tree);
   EXPECT_EQ(rows.guarantee, Guarantee::unknown);  // it was aggressive, and now invents too
   EXPECT_EQ(columns.matrix, VisibilityMatrix::from_rows({{0}, {}, {0, 1}}, 2));
-  EXPECT_EQ(columns.tree->object_of_node()[4], 0u);
-  EXPECT_EQ(columns.row_tree, before.row_tree);
-  EXPECT_TRUE(is_monotone(over_nodes(columns).matrix, *columns.tree));
-  EXPECT_FALSE(merged(over_nodes(before), {}, Partition::from_group_of_member({0, 1, 1, 2, 3})).tree);
-  EXPECT_TRUE(merged(over_nodes(before), pair, {}).tree);
+  EXPECT_EQ(columns.source.tree->object_of_node()[4], 0u);
+  EXPECT_EQ(columns.source.row_tree, before.source.row_tree);
+  EXPECT_TRUE(is_monotone(over_nodes(columns).matrix, *columns.source.tree));
+  EXPECT_FALSE(merged(over_nodes(before), {}, Partition::from_group_of_member({0, 1, 1, 2, 3})).source.tree);
+  EXPECT_TRUE(merged(over_nodes(before), pair, {}).source.tree);
 }
 
 // Whatever was done in whatever order, the groups lead from the source's numbers.
@@ -138,11 +141,11 @@ TEST(Dataset, GroupsLeadFromTheSourcesNumbers) {
   const auto pair = Partition::from_group_of_member({0, 1, 1}),
              other = Partition::from_group_of_member({1, 0, 0});
   Dataset lossy = reordered(merged(reordered(source, turn, turn), pair, other), swap, swap);
-  EXPECT_FALSE(lossy.row_order || lossy.column_order);
+  EXPECT_FALSE(lossy.source.row_order || lossy.source.column_order);
   const VisibilityMatrix back = in_source_numbers(lossy).matrix;
   EXPECT_EQ(back, VisibilityMatrix::from_rows({{0, 1, 2}, {}, {0, 1, 2}}, 3));
   lossy = merged(lossy, Partition::from_group_of_member({0, 0}), {});
-  EXPECT_EQ(lossy.row_groups, Partition::from_group_of_member({0, 0, 0}));
+  EXPECT_EQ(lossy.source.row_groups, Partition::from_group_of_member({0, 0, 0}));
   EXPECT_EQ(in_source_numbers(reordered(source, turn, turn)).matrix, source.matrix);
 }
 
@@ -166,8 +169,7 @@ TEST(Dataset, KeepsMatrixAndFactsInMatrixMarket) {
   Dataset expected = full_dataset();
   expected.row_bounds = expected.column_bounds = {};
   expected.row_neighbours = std::nullopt;
-  expected.tree = std::nullopt;
-  expected.row_tree = std::nullopt;
+  expected.source = {};
   expected.sight_lines = {};
   expected.degree_of_visibility = {};
   EXPECT_EQ(read_dataset(folder / "a.mtx"), expected);
@@ -190,7 +192,7 @@ TEST(Dataset, IsToldByItsFirstBytes) {
 TEST(Dataset, OverNodesUnitesWhatIsBelow) {
   const Dataset nodes = over_nodes(full_dataset());
   EXPECT_EQ(nodes.matrix, VisibilityMatrix::from_rows({{0, 1, 2, 4}, {}, {0, 2, 3, 4}}, 5));
-  EXPECT_TRUE(nodes.columns_are_nodes);
+  EXPECT_TRUE(nodes.source.columns_are_nodes);
   EXPECT_EQ(nodes.column_bounds[2], (Box{{5, 5, 5}, {9, 9, 9}}));
   EXPECT_EQ(nodes.column_bounds[0], (Box{{0, 0, 0}, {9, 9, 9}}));
 }
@@ -220,33 +222,33 @@ TEST(Dataset, RefusesGeometryThatDoesNotFit) {
   refused("/vismat/row_neighbours/pointers_to_1: has 2 entries", [](Dataset& d) {
     d.row_neighbours = VisibilityMatrix({1, 1});
   });
-  refused("/vismat/tree: has 0 objects, but there are 3 columns", [](Dataset& d) { d.tree = ObjectTree(); });
+  refused("/vismat/tree: has 0 objects, but there are 3 columns", [](Dataset& d) { d.source.tree = ObjectTree(); });
   refused("/vismat/tree: has 5 nodes, but there are 3 columns",
-          [](Dataset& d) { d.columns_are_nodes = true; });
+          [](Dataset& d) { d.source.columns_are_nodes = true; });
   refused("sees a node of /vismat/tree but not its parent", [](Dataset& d) {
     d = over_nodes(d);
     d.matrix = VisibilityMatrix::from_rows({{4}, {}, {}}, 5);
   });
   refused("/vismat/tree is missing", [](Dataset& d) {
-    d.columns_are_nodes = true;
-    d.tree = std::nullopt;
+    d.source.columns_are_nodes = true;
+    d.source.tree = std::nullopt;
   });
   refused("/vismat/boundaries: must have dimensions [rows / 2, 2], but there are 3 rows", [](Dataset& d) {
-    d.boundaries = {{Boundary::outside, 0}};
+    d.source.boundaries = {{Boundary::outside, 0}};
   });
   refused("/vismat/boundaries: must have dimensions [rows / 2, 2], but there are 8 rows", [](Dataset& d) {
     d = differences();
-    d.boundaries.pop_back();
+    d.source.boundaries.pop_back();
   });
   refused("/vismat/boundaries: boundary 3, cell 3 to cell 1: leads down", [](Dataset& d) {
     d = differences();
-    std::swap(d.boundaries[3].from, d.boundaries[3].to);
+    std::swap(d.source.boundaries[3].from, d.source.boundaries[3].to);
   });
   refused("/vismat/boundaries: boundary 1, outside to cell 3: must enter that part at its least",
           [](Dataset& d) {
             d = differences();
-            d.boundaries[0].to = 2;
-            d.boundaries[1].to = 3;
+            d.source.boundaries[0].to = 2;
+            d.source.boundaries[1].to = 3;
           });
 }
 

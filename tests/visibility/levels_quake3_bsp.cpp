@@ -152,13 +152,13 @@ TEST(Quake3Bsp, DatasetSaysWhatIsKnown) {
   EXPECT_EQ(cells.columns_are, "cluster");
   EXPECT_EQ(cells.guarantee, Guarantee::conservative);
   EXPECT_EQ(cells.provenance, "tiny.bsp, Quake 3 (IBSP 46)");
-  EXPECT_EQ(cells.tree, level.cell_tree);
+  EXPECT_EQ(cells.source.tree, level.cell_tree);
   const Dataset faces = level_dataset(level, LevelMatrix::faces, LevelTree::bounds);
   EXPECT_EQ(faces.columns_are, "face");
   EXPECT_EQ(faces.guarantee, Guarantee::unknown);  // a mover is filed under cluster 0, wherever it is
   EXPECT_EQ(faces.column_bounds, level.face_bounds);
-  EXPECT_EQ(faces.tree->object_count(), 5u);
-  EXPECT_FALSE(level_dataset(level, LevelMatrix::faces, LevelTree::none).tree.has_value());
+  EXPECT_EQ(faces.source.tree->object_count(), 5u);
+  EXPECT_FALSE(level_dataset(level, LevelMatrix::faces, LevelTree::none).source.tree.has_value());
   Quake still;
   still.leafs[6].faces = 0;
   EXPECT_EQ(level_dataset(parse_quake3_bsp(still.bytes()), LevelMatrix::faces, LevelTree::none).guarantee,

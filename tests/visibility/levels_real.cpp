@@ -104,7 +104,7 @@ TEST_F(RealLevels, OpenArenaIsReadWhole) {
       held[face] = true;
     }
     EXPECT_EQ(std::count(held.begin(), held.end(), false), 0);
-    EXPECT_TRUE(is_monotone(over_nodes(cells).matrix, *cells.tree));
+    EXPECT_TRUE(is_monotone(over_nodes(cells).matrix, *cells.source.tree));
   }
 }
 

@@ -65,7 +65,7 @@ void note(Audit::Side& side, const Entry& entry, const Doubt& doubt) {
 Audit audit(const Dataset& dataset, const Scene& scene, const ViewCells& cells, const AuditOptions& options,
             const Progress& progress) {
   const Shape shape = dataset.matrix.shape();
-  if (dataset.columns_are_nodes)
+  if (dataset.source.columns_are_nodes)
     throw std::invalid_argument("its columns are nodes; only objects can be checked");
   if (shape != Shape{cells.count(), scene.object_count}) {
     throw std::invalid_argument("has " + std::to_string(shape.rows) + " x " + std::to_string(shape.columns) +

@@ -54,8 +54,8 @@ Dataset level_dataset(const Level& level, LevelMatrix matrix, LevelTree tree) {
   dataset.row_bounds = level.cell_bounds;
   dataset.column_bounds = faces ? level.face_bounds : level.cell_bounds;
   dataset.row_neighbours = level.cell_neighbours;
-  if (tree == LevelTree::level) dataset.tree = own;
-  if (tree == LevelTree::bounds) dataset.tree = bounding_volume_tree(dataset.column_bounds);
+  if (tree == LevelTree::level) dataset.source.tree = own;
+  if (tree == LevelTree::bounds) dataset.source.tree = bounding_volume_tree(dataset.column_bounds);
   return dataset;
 }
 
