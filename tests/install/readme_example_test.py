@@ -30,8 +30,12 @@ with tempfile.TemporaryDirectory() as folder:
     assert len(headers) > 5
     (folder / "headers.cpp").write_text("".join(f'#include "{header}"\n' for header in sorted(headers)))
     (folder / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.23)\nproject(engine CXX)\nset(CMAKE_CXX_STANDARD 20)\n"
-        "add_executable(engine engine.cpp headers.cpp)\ntarget_compile_options(engine PRIVATE -Wall -Wextra -Werror)\n" + block("cmake"))
+        "cmake_minimum_required(VERSION 3.23)\nproject(engine CXX)\n"  # the compiler's default standard
+        "add_executable(engine engine.cpp headers.cpp)\ntarget_compile_options(engine PRIVATE -Wall -Wextra -Werror)\n" + block("cmake") +
+        "add_library(plugin SHARED plugin.cpp)\ntarget_link_libraries(plugin PRIVATE vismat::codecs)\n")
+    (folder / "plugin.cpp").write_text(
+        '#include "codecs/row_reader.h"\n\n'
+        'extern "C" unsigned rows_of(const char* path) { return vismat::RowReader(path).shape().rows; }\n')
     run(cmake, "-G", "Ninja", "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={folder / 'installed'}")
     run(cmake, "--build", folder / "build")
 
