@@ -64,8 +64,8 @@ void check(bool right, const Codec& codec) {
 }
 
 RowCost rows_over_tree(const Codec& codec, const Container& container, const VisibilityMatrix& matrix) {
-  const NodeReader reader(codec.name, container.encoded.payload, container.encoded.index, matrix.shape(),
-                          *container.row_tree);
+  const ObjectTree& tree = *container.source.row_tree;
+  const NodeReader reader(codec, Parts(container.encoded), matrix.shape(), tree);
   const std::uint32_t rows = matrix.shape().rows;
   RowCost cost;
   std::vector<double> alone, on_path;
@@ -75,7 +75,7 @@ RowCost rows_over_tree(const Codec& codec, const Container& container, const Vis
     NodeSet set;
     alone.push_back(microseconds_of([&] { set = reader.set(node); }));
     check(std::ranges::equal(set.members, matrix.row(shuffled[i])), codec);
-    const NodeReader::Cost read = reader.cost(node);
+    const RowSource::Cost read = reader.cost(node);
     cost.bytes += static_cast<double>(read.bytes) / std::min(rows, 2000u);
     cost.parts += static_cast<double>(read.parts) / std::min(rows, 2000u);
   }
@@ -84,16 +84,14 @@ RowCost rows_over_tree(const Codec& codec, const Container& container, const Vis
   while (!waiting.empty()) {
     const std::uint32_t node = waiting.back();
     waiting.pop_back();
-    const auto children = container.row_tree->children(node);
+    const auto children = tree.children(node);
     if (children.empty()) leafs.push_back(node);
     waiting.insert(waiting.end(), children.rbegin(), children.rend());
   }
   NodePath path;
   for (const std::uint32_t leaf : leafs) {
     on_path.push_back(microseconds_of([&] { reader.set(leaf, path); }));
-    check(
-        std::ranges::equal(path.sets.back().members, matrix.row(container.row_tree->object_of_node()[leaf])),
-        codec);
+    check(std::ranges::equal(path.last().members, matrix.row(tree.object_of_node()[leaf])), codec);
   }
   cost.median_us = at_share(alone, .5);
   cost.high_us = at_share(alone, .95);
@@ -112,7 +110,7 @@ RowCost rows_alone(const Codec& codec, const Container& container, const Visibil
     std::span<const std::uint32_t> ids;
     alone.push_back(microseconds_of([&] { ids = reader.ids(row, buffer); }));
     check(std::ranges::equal(ids, matrix.row(row)), codec);
-    cost.bytes += static_cast<double>(reader.row_bytes(row)) / rows;
+    cost.bytes += static_cast<double>(reader.cost(row).bytes) / rows;
   }
   cost.median_us = cost.path_us = at_share(alone, .5);
   cost.high_us = at_share(alone, .95);
@@ -122,22 +120,22 @@ RowCost rows_alone(const Codec& codec, const Container& container, const Visibil
 
 Line measure(const Codec& codec, const VisibilityMatrix& matrix, const std::optional<ObjectTree>& tree,
              double seconds) {
-  const ObjectTree* const over = tree ? &*tree : nullptr;
-  Container container = compress(matrix, codec, over);
+  SourceMap source;
+  source.row_tree = tree;
+  const Side side{tree_for(codec, source), {}, {}};
+  Container container = compress(matrix, codec, source);
   check(decompress(container, codec) == matrix, codec);
   Line line;
   line.payload = container.encoded.payload.size();
   line.index = container.encoded.index.size();
-  line.tree = tree_bytes(container.row_tree).size();
-  line.encode_s = time_passes(seconds, [&] { codec.encode(matrix, over); }).median;
+  line.tree = tree ? tree_bytes(*tree, false).size() : 0;
+  line.encode_s = time_passes(seconds, [&] { codec.encode(matrix, side, {}); }).median;
   line.decode_s = time_passes(seconds, [&] { decompress(container, codec); }).median;
   if (matrix.shape().rows == 0) return line;
-  if (codec.over_tree == TreeOver::rows) {
-    line.model =
-        NodeReader(codec.name, container.encoded.payload, container.encoded.index, matrix.shape(), *tree)
-            .model_bytes();
+  if (codec.needs.tree == TreeOver::rows) {
+    line.model = NodeReader(codec, Parts(container.encoded), matrix.shape(), *tree).model_bytes();
     line.row = rows_over_tree(codec, container, matrix);
-  } else if (codec.open_rows != nullptr) {
+  } else if (codec.open != nullptr) {
     line.row = rows_alone(codec, container, matrix);
   }
   return line;
@@ -173,12 +171,11 @@ void add_lines(const Dataset& data, const std::string& name, const std::string& 
         line.row ? "," + csv_line(row.median_us, row.high_us, row.path_us, row.bytes, row.parts) : ",,,,,\n";
   };
   for (const char* codec : {"pair-ans", "gzip", "xz"}) add("", find_codec(codec), {});
-  for (const Codec& codec : program_codecs()) {
-    if (codec.name == "zpaq" && program_available(codec)) add("", codec, {});
-  }
+  if (const auto programs = available_program_codecs(); const Codec* zpaq = codec_named("zpaq", programs)) add("", *zpaq, {});
   const auto add_tree = [&](const char* tree_name, const ObjectTree& tree) {
-    for (const char* codec : {"gotsman1", "gotsman2", "gotsman3", "gotsman3-context"})
-      add(tree_name, find_codec(codec), tree);
+    for (const Codec& codec : own_codecs()) {
+      if (codec.needs.tree == TreeOver::rows) add(tree_name, codec, tree);
+    }
   };
   if (!data.row_bounds.empty()) add_tree("k-d", bounding_volume_tree(data.row_bounds, 2));
   add_tree("by sets", tree_by_sets(matrix));

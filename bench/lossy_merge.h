@@ -21,6 +21,7 @@
 #include "layout/grouping.h"
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
+#include "programs/prepared_for.h"
 #include "matrix/loss.h"
 
 namespace vismat::bench {
@@ -89,7 +90,7 @@ inline void put_in_order(Merge& merge, Ordered ordered) {
   merge.data = reordered(std::move(merge.data), by_rows, by_columns);
   merge.order_s = wall_seconds() - start;
   const auto names = [](const std::optional<Partition>& groups, const Permutation& order) -> std::uint64_t {
-    if (groups) return group_bytes(groups).size();
+    if (groups) return group_size(groups);
     return order.is_identity() ? 0 : permutation_bytes(order.size());
   };
   merge.names_bytes = names(merge.data.source.row_groups, by_rows) + names(merge.data.source.column_groups, by_columns);
@@ -124,26 +125,18 @@ struct Code {
 
 /// Written as a .vmat file, read again and compared with the original, row by row.
 inline Code code_of(const Codec& codec, const Merge& merge, const VisibilityMatrix& original) {
-  const ObjectTree* tree = merge.data.source.columns_are_nodes ? &*merge.data.source.tree : nullptr;
-  Container container = compress(merge.data.matrix, codec, tree);
-  container.row_groups = merge.data.source.row_groups;
-  container.column_groups = merge.data.source.column_groups;
-  container.row_order = merge.data.source.row_order;
-  container.column_order = merge.data.source.column_order;
-  const Container read = read_container(write_container(container));
+  const Container read = read_container(write_container(compress(merge.data, codec)));
   Dataset back;
   back.matrix = decompress(read, codec);
-  back.source.row_groups = read.row_groups;
-  back.source.column_groups = read.column_groups;
-  back.source.row_order = read.row_order;
-  back.source.column_order = read.column_order;
+  back.source = read.source;
   const Loss loss = proven(loss_of(in_source_numbers(std::move(back)).matrix, original));
   if (loss.added != merge.loss.added)
     throw std::runtime_error(std::string(codec.name) + " adds to what was merged");
   Code code;
   code.bytes = read.encoded.payload.size();
-  if (codec.open_rows != nullptr) code.bytes += read.encoded.index.size();
-  if (const LengthStatistics lengths = length_statistics(codec, merge.data.matrix, tree); lengths.lengths > 0)
+  if (codec.open != nullptr && codec.needs.tree == TreeOver::nothing) code.bytes += read.encoded.index.size();
+  const LengthStatistics lengths = length_statistics(codec, merge.data.matrix, tree_for(codec, merge.data.source));
+  if (lengths.lengths > 0)
     code.average_run = static_cast<double>(lengths.bits) / static_cast<double>(lengths.lengths);
   return code;
 }
@@ -151,12 +144,11 @@ inline Code code_of(const Codec& codec, const Merge& merge, const VisibilityMatr
 /// Those of the names that there are here: programs may be missing.
 inline std::vector<Codec> codecs_here(const std::vector<std::string>& names) {
   std::vector<Codec> codecs;
+  const std::vector<Codec> available = available_program_codecs();
   for (const std::string& name : names) {
-    const auto program = std::find_if(program_codecs().begin(), program_codecs().end(),
-                                      [&](const Codec& c) { return c.name == name; });
-    if (program == program_codecs().end())
+    if (codec_named(name, program_codecs()) == nullptr)
       codecs.push_back(find_codec(name));
-    else if (program_available(*program))
+    else if (const Codec* program = codec_named(name, available))
       codecs.push_back(*program);
   }
   return codecs;

@@ -66,8 +66,7 @@ std::vector<Measured> search(const VisibilityMatrix& matrix, const Options& opti
                                .after_round = [&](const PanneTable& t) { note(t, false); }});
   note(table, true);
   const Encoded encoded = encode_panne(matrix, table);
-  const auto back =
-      decode_rows(detail::open_rows<PanneRows>, 1, encoded.payload, encoded.index, matrix.shape());
+  const auto back = detail::decode_rows<PanneRows>(Parts(encoded), matrix.shape(), {}, matrix.ones());
   if (back != matrix) throw std::runtime_error("a round trip that ends elsewhere");
   return points;
 }

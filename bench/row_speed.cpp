@@ -73,9 +73,10 @@ struct Runs {
 struct Bits {
   static constexpr const char* name = "bits";
   std::vector<std::uint64_t> words;
+  RowScratch scratch;
   std::uint64_t read(const RowReader& reader, std::uint32_t row) {
     words.resize((reader.shape().columns + 63) / 64);
-    reader.bits(row, words);
+    reader.bits(row, words, scratch);
     std::uint64_t sum = 0;  // of the ids in each word, but for what all bits of a word share
     for (std::size_t w = 0; w < words.size(); ++w)
       sum += std::uint64_t{w} * static_cast<std::uint64_t>(std::popcount(words[w]));
@@ -123,7 +124,7 @@ struct Files {
       readers.emplace_back(bytes[c], std::span(&codec, 1));
       for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
         visits.push_back({c, r});
-        readers[c].row_bytes(r);  // checks its blocks
+        readers[c].ids(r, buffer);  // checks its blocks
       }
     }
     Random random(2);
@@ -181,9 +182,9 @@ Container large_container(const Codec& codec) {
     byte = static_cast<std::byte>(random.below(256));
     container.ones += static_cast<std::uint64_t>(std::popcount(std::to_integer<unsigned>(byte)));
   }
-  for (std::uint32_t r = 0; r <= shape.rows; ++r)
+  for (std::uint32_t r = 0; r < shape.rows; ++r)
     starts.push_back((r - (r > 4000)) * row_bytes_of(shape.columns));
-  container.encoded.index = row_index_bytes(starts);
+  container.encoded.index = part_index_bytes(starts, payload.size());
   return container;
 }
 
@@ -202,7 +203,7 @@ void open_file(benchmark::State& state, const Codec& codec) {
   static const LargeFile file(codec);
   for (auto _ : state) {
     const RowReader reader(file.path, std::span(&codec, 1));
-    if (reader.row_bytes(4000) != 0) state.SkipWithError("wrong row");
+    if (reader.cost(4000).bytes != 0) state.SkipWithError("wrong row");
   }
   state.counters["file_bytes"] = static_cast<double>(std::filesystem::file_size(file.path));
 }
@@ -232,7 +233,7 @@ int main(int argc, char** argv) {
     const VisibilityMatrix matrix =
         count == 2 ? read_dataset(arguments[1]).matrix : differences_like_the_papers();
     std::vector<Codec> codecs = all_codecs();
-    std::erase_if(codecs, [](const Codec& codec) { return codec.open_rows == nullptr; });
+    std::erase_if(codecs, [](const Codec& codec) { return codec.open == nullptr || codec.needs.tree != TreeOver::nothing; });
     for (const Codec& codec : codecs) {
       for (const bool cold : {false, true}) {
         register_form<Ids>(codec, matrix, cold);

@@ -14,6 +14,7 @@
 #include "codecs/bitmap.h"
 #include "layout/greedy_order.h"
 #include "matrix/dataset.h"
+#include "programs/prepared_for.h"
 
 namespace {
 
@@ -23,20 +24,22 @@ void count_bitmap_bytes(benchmark::State& state, Shape shape) {
   state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * bitmap_size(shape)));
 }
 
-void register_codec(const Codec& codec, const VisibilityMatrix& matrix, const ObjectTree* tree) {
+void register_codec(const Codec& codec, const Dataset& data) {
   const std::string name(codec.name);
-  benchmark::RegisterBenchmark((name + "/encode").c_str(), [&codec, &matrix, tree](benchmark::State& state) {
-    for (auto _ : state) benchmark::DoNotOptimize(codec.encode(matrix, tree).payload.data());
-    count_bitmap_bytes(state, matrix.shape());
+  benchmark::RegisterBenchmark((name + "/encode").c_str(), [&codec, &data](benchmark::State& state) {
+    const Dataset prepared = prepared_for(codec, data, {.orders = false});
+    const Side side = side_of(codec, prepared);
+    for (auto _ : state) benchmark::DoNotOptimize(codec.encode(prepared.matrix, side, {}).payload.data());
+    count_bitmap_bytes(state, prepared.matrix.shape());
   })->Unit(benchmark::kMillisecond);
-  benchmark::RegisterBenchmark((name + "/decode").c_str(), [&codec, &matrix, tree](benchmark::State& state) {
-    const Encoded encoded = codec.encode(matrix, tree);
-    const auto decode = [&] {
-      return codec.decode(encoded.payload, encoded.index, matrix.shape(), tree);
-    };
-    if (decode() != matrix) state.SkipWithError("does not restore the matrix");
-    for (auto _ : state) benchmark::DoNotOptimize(decode().ones());
-    count_bitmap_bytes(state, matrix.shape());
+  benchmark::RegisterBenchmark((name + "/decode").c_str(), [&codec, &data](benchmark::State& state) {
+    const Dataset prepared = prepared_for(codec, data, {.orders = false});
+    const Side side = side_of(codec, prepared);
+    const Encoded encoded = codec.encode(prepared.matrix, side, {});
+    const auto decoded = [&] { return decode(codec, encoded, prepared.matrix.shape(), side); };
+    if (decoded() != prepared.matrix) state.SkipWithError("does not restore the matrix");
+    for (auto _ : state) benchmark::DoNotOptimize(decoded().ones());
+    count_bitmap_bytes(state, prepared.matrix.shape());
   })->Unit(benchmark::kMillisecond);
 }
 
@@ -53,8 +56,7 @@ int main(int argc, char** argv) {
     if (data.source.tree && !data.source.columns_are_nodes) data = over_nodes(data);
     const std::vector<Codec> codecs = all_codecs();
     for (const Codec& codec : codecs) {
-      const ObjectTree* const tree = tree_for(codec, data.source);
-      if (codec.over_tree == TreeOver::nothing || tree != nullptr) register_codec(codec, data.matrix, tree);
+      if (obstacle(codec, data).empty()) register_codec(codec, data);
     }
     benchmark::RegisterBenchmark("order/greedy", [&data](benchmark::State& state) {
       for (auto _ : state) benchmark::DoNotOptimize(order_rows_greedily(data.matrix).size());

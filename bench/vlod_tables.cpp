@@ -160,7 +160,7 @@ void measure(const Subject& subject, const Options& options, std::string& csv) {
       const auto file = write_container(container);
       const RowReader reader(file, std::span(&codec, 1));
       RowBuffer<std::uint32_t> buffer;
-      const Times encode = time_passes(options.seconds, [&] { codec.encode(matrix, nullptr); });
+      const Times encode = time_passes(options.seconds, [&] { codec.encode(matrix, {}, {}); });
       const Times decode = time_passes(options.seconds, [&] {
         for (std::uint32_t r = 0; r < shape.rows; ++r) reader.ids(r, buffer);
       });

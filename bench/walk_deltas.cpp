@@ -86,15 +86,12 @@ std::vector<Crossing> crossings_of(const Deltas& deltas, const VisibilityMatrix&
 
 // Of each row; where rows share their bytes, all of these.
 std::vector<std::uint64_t> bytes_of_rows(const VisibilityMatrix& matrix, const Codec& codec) {
-  const Encoded encoded = codec.encode(matrix, nullptr);
-  if (codec.decode(encoded.payload, encoded.index, matrix.shape(), nullptr) != matrix)
+  const Encoded encoded = codec.encode(matrix, {}, {});
+  if (decode(codec, encoded, matrix.shape()) != matrix)
     throw std::logic_error(std::string(codec.name) + " does not decode to what it encoded");
-  const RowIndex index(encoded.index, matrix.shape().rows, codec.rows_per_part, encoded.payload.size());
+  const auto rows = codec.open(Parts(encoded), matrix.shape(), {});
   std::vector<std::uint64_t> bytes(matrix.shape().rows);
-  for (std::uint32_t r = 0; r < bytes.size(); ++r) {
-    const auto part = index.part(r / codec.rows_per_part, [](std::uint64_t, std::uint64_t) {});
-    bytes[r] = part.end - part.begin;
-  }
+  for (std::uint32_t r = 0; r < bytes.size(); ++r) bytes[r] = rows->cost(r).bytes;
   return bytes;
 }
 
@@ -102,7 +99,7 @@ std::vector<Codec> chosen_codecs(const std::vector<std::string>& names) {
   std::vector<Codec> codecs;
   for (const std::string& name : names) codecs.push_back(find_codec(name));
   if (names.empty()) codecs = all_codecs();
-  std::erase_if(codecs, [](const Codec& codec) { return codec.open_rows == nullptr; });
+  std::erase_if(codecs, [](const Codec& codec) { return codec.open == nullptr || codec.needs.tree != TreeOver::nothing; });
   return codecs;
 }
 

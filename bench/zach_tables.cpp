@@ -10,7 +10,6 @@
 #include <exception>
 #include <filesystem>
 #include <iomanip>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -66,10 +65,14 @@ std::vector<Order> orders_of(const Dataset& data) {
   return orders;
 }
 
-// The paper's methods, and what it compares them with; `vismat compare` has every codec.
-bool in_tables(const Codec& codec) {
-  constexpr std::string_view beside[] = {"bitmap", "quake-rle", "gzip", "bzip2"};
-  return codec.over_tree == TreeOver::columns || std::find(std::begin(beside), std::end(beside), codec.name) != std::end(beside);
+// The paper's methods, and before them what it compares them with; `vismat compare` has every codec.
+std::vector<Codec> codecs_of_tables() {
+  std::vector<Codec> codecs;
+  for (const char* beside : {"bitmap", "quake-rle", "gzip", "bzip2"}) codecs.push_back(find_codec(beside));
+  for (const Codec& codec : own_codecs()) {
+    if (codec.needs.tree == TreeOver::columns) codecs.push_back(codec);
+  }
+  return codecs;
 }
 
 struct Measurement {
@@ -83,13 +86,12 @@ struct Measurement {
 
 // Throws std::logic_error, naming the codec, unless decoding gives the matrix back.
 Measurement measure(const Codec& codec, const VisibilityMatrix& matrix, const ObjectTree& tree) {
-  Measurement m{codec.encode(matrix, &tree), 0, 0, length_statistics(codec, matrix, &tree)};
-  const auto decode = [&] {
-    return codec.decode(m.encoded.payload, m.encoded.index, matrix.shape(), &tree);
-  };
-  if (decode() != matrix) throw std::logic_error(std::string(codec.name) + " does not restore its matrix");
-  m.encode_s = median_seconds([&] { codec.encode(matrix, &tree); });
-  m.decode_s = median_seconds(decode);
+  const Side side{&tree, {}, {}};
+  Measurement m{codec.encode(matrix, side, {}), 0, 0, length_statistics(codec, matrix, &tree)};
+  const auto decoded = [&] { return decode(codec, m.encoded, matrix.shape(), side); };
+  if (decoded() != matrix) throw std::logic_error(std::string(codec.name) + " does not restore its matrix");
+  m.encode_s = median_seconds([&] { codec.encode(matrix, side, {}); });
+  m.decode_s = median_seconds(decoded);
   return m;
 }
 
@@ -109,8 +111,8 @@ void add_tables(const std::filesystem::path& path, std::string& scenes, std::str
               "+ index", "+ order", "avg. run", "enc. ms", "dec. ms");
   for (const Order& order : orders_of(data)) {
     const std::uint64_t order_bytes = order.name == "natural" ? 0 : permutation_bytes(shape.rows);
-    for (const Codec& codec : all_codecs()) {
-      if (!in_tables(codec) || (order.name == "neighbours" && !codec.wants_row_order)) continue;
+    for (const Codec& codec : codecs_of_tables()) {
+      if (order.name == "neighbours" && !codec.needs.row_order) continue;
       const Measurement m = measure(codec, order.matrix, *data.source.tree);
       const std::size_t bytes = m.encoded.payload.size(), index_bytes = m.encoded.index.size();
       const double ratio = static_cast<double>(bitmap_size(shape)) / static_cast<double>(bytes);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -17,14 +17,11 @@
 #include "codecs/bitmap.h"
 #include "codecs/container.h"
 #include "codecs/pairs.h"
-#include "codecs/panne.h"
 #include "codecs/row_reader.h"
-#include "codecs/sections.h"
 #include "codecs/tree_coding.h"
-#include "layout/greedy_order.h"
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
-#include "visibility/bounding_volume_tree.h"
+#include "programs/prepared_for.h"
 
 namespace vismat::cli {
 namespace {
@@ -35,19 +32,13 @@ std::string codec_names() {
   return names;
 }
 
-NodeReader open_nodes(const Container& container) {
-  const ObjectTree* const tree = tree_for(find_codec(container.codec), container);
-  if (tree == nullptr) throw FormatError("no tree; the codec '" + container.codec + "' needs one");
-  return {container.codec, container.encoded.payload, container.encoded.index, container.shape, *tree};
-}
-
 }  // namespace
 
 void add_encode(CLI::App& app) {
   struct Options {
     std::filesystem::path in, out;
     std::string codec = "delimiter", order = "greedy";
-    double seconds = 0;
+    EncodeOptions encode;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("encode", "Compress a matrix into a .vmat file");
@@ -55,59 +46,54 @@ void add_encode(CLI::App& app) {
   verb->add_option("-o,--output", options->out, "The .vmat file to write")->required();
   verb->add_option("--codec", options->codec, "One of " + codec_names())->capture_default_str();
   verb->add_option("--rows", options->order,
-                   "Rows for zach3 and zach4: greedy order, or natural (as they stand)")
+                   "For codecs that want rows in order, zach3 and zach4: greedy order, or natural (as they stand)")
       ->check(CLI::IsMember({"greedy", "natural"}))
       ->capture_default_str();
-  verb->add_option("--seconds", options->seconds,
-                   "For panne: search for clusters as long as this; what comes of it depends on the machine. 0: until little "
-                   "is found, the same on any")
+  verb->add_option("--seconds", options->encode.seconds,
+                   "For codecs that search, panne: search as long as this; what comes of it depends on the machine. 0: until "
+                   "little is found, the same on any")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  verb->add_option("--effort", options->encode.effort,
+                   "For codecs that have more than one, gotsman3-context: 0 to 2; each step learns from four times as much")
+      ->capture_default_str();
+  verb->add_option("--threads", options->encode.threads, "0: one a core; the bytes are the same for any number")
+      ->capture_default_str();
+  verb->add_option("--seed", options->encode.seed, "Of the search of codecs that search")->capture_default_str();
   verb->footer("Example: vismat encode city32.bsp.h5 --codec zach3-range -o city32.vmat");
   verb->callback([options] {
     const Codec& codec = find_codec(options->codec);
-    const bool panne = codec.name == "panne";
-    if (options->seconds > 0 && !panne)
-      throw std::invalid_argument("--seconds is for the search of codec panne; '" + options->codec + "' has none");
+    if (options->encode.seconds > 0 && !codec.searches)
+      throw std::invalid_argument("--seconds is for codecs that search; '" + options->codec + "' does not");
+    if (options->encode.effort > codec.highest_effort) {
+      throw std::invalid_argument("--effort " + std::to_string(options->encode.effort) + ": '" + options->codec + "' has " +
+                                  (codec.highest_effort == 0 ? "but one" : "0 to " + std::to_string(codec.highest_effort)));
+    }
     Dataset data = read_dataset(options->in);
-    if (codec.over_tree == TreeOver::columns && data.source.tree && !data.source.columns_are_nodes) data = over_nodes(data);
-    if (codec.over_tree == TreeOver::rows && !data.source.row_tree) {
-      if (data.row_bounds.empty()) {
-        throw std::invalid_argument(options->in.string() +
-                                    ": has no tree over its rows and no boxes to make one from; see 'vismat tree "
-                                    "--side rows --by sets'");
-      }
-      data.source.row_tree = bounding_volume_tree(data.row_bounds, 2);
-    }
-    if (codec.wants_row_order && options->order == "greedy") {
-      const Permutation order = order_rows_greedily(data.matrix, show_progress("ordering rows"));
-      data = reordered(std::move(data), order, Permutation::identity(data.matrix.shape().columns));
-    }
-    Container container =
-        panne ? container_of(data.matrix, codec,
-                             encode_panne(data.matrix, {.seconds = options->seconds,
-                                                        .progress = show_progress("searching for clusters")}))
-              : compress(data.matrix, codec, tree_for(codec, data.source));
-    container.tree = data.source.tree;
-    container.row_tree = data.source.row_tree;
-    container.row_order = data.source.row_order;
-    container.column_order = data.source.column_order;
-    container.row_groups = data.source.row_groups;
-    container.column_groups = data.source.column_groups;
-    container.boundaries = data.source.boundaries;
+    if (const std::string why = obstacle(codec, data); !why.empty())
+      throw std::invalid_argument(options->in.string() + ": " + why);
+    data = prepared_for(codec, std::move(data), {.orders = options->order == "greedy", .stages = show_progress});
+    if (codec.slow_encode) options->encode.progress = show_progress("encoding");
+    Container container = compress(data, codec, options->encode);
     container.facts = facts_of(data);
-    write_file(options->out, write_container(container));
+    const auto file = write_container(container);
+    write_file(options->out, file);
     const std::size_t payload = container.encoded.payload.size(), index = container.encoded.index.size();
-    const auto [rows, columns] = data.matrix.shape();
-    std::printf("%s: %zu bytes of payload, %.2fx smaller than the bitmap's %llu", options->out.c_str(),
-                payload, static_cast<double>(bitmap_size({rows, columns})) / static_cast<double>(payload),
-                static_cast<unsigned long long>(bitmap_size({rows, columns})));
+    const std::uint64_t bitmap = bitmap_size(container.shape);
+    std::printf("%s: %zu bytes of payload, %.2fx smaller than the bitmap's %llu", options->out.c_str(), payload,
+                static_cast<double>(bitmap) / static_cast<double>(payload), static_cast<unsigned long long>(bitmap));
+    const ContainerHead head(file);
+    const auto tell = [&](const char* what, std::initializer_list<vmat::Section> sections) {
+      std::size_t bytes = 0;
+      for (const vmat::Section section : sections) bytes += head.section(section).size();
+      if (bytes > 0) std::printf("; %s %zu bytes", what, bytes);
+    };
     if (index > 0) std::printf("; index %zu bytes", index);
-    const std::uint64_t orders =
-        (data.source.row_order ? permutation_bytes(rows) : 0) + (data.source.column_order ? permutation_bytes(columns) : 0);
-    if (orders > 0) std::printf("; orders %llu bytes", static_cast<unsigned long long>(orders));
-    const std::size_t groups = group_bytes(data.source.row_groups).size() + group_bytes(data.source.column_groups).size();
-    if (groups > 0) std::printf("; groups %zu bytes", groups);
+    using S = vmat::Section;
+    tell("trees", {S::tree, S::row_tree});
+    tell("orders", {S::row_order, S::column_order, S::shared_order});
+    tell("groups", {S::row_groups, S::column_groups});
+    tell("names", {S::row_names, S::column_names, S::column_levels});
     std::printf("\n");
   });
 }
@@ -115,62 +101,28 @@ void add_encode(CLI::App& app) {
 void add_decode(CLI::App& app) {
   struct Options {
     std::filesystem::path in, out;
+    std::filesystem::path boxes;
     bool as_stored = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("decode", "Restore the matrix of a .vmat file, in the source's order");
-  verb->add_option("FILE", options->in, "The .vmat file")->required();
+  verb->add_option("FILE", options->in, "The .vmat file, of version 4 or 3")->required();
   verb->add_option("-o,--output", options->out, "Matrix file to write, .bsp.h5 or .mtx")->required();
   verb->add_flag("--as-stored", options->as_stored,
                  "Leave rows and columns in the order that they were given");
+  verb->add_option("--boxes", options->boxes,
+                   "A matrix file whose rows and columns have the boxes that the file was coded under, in the file's order");
   verb->footer("Example: vismat decode city32.vmat -o city32.mtx");
   verb->callback([options] {
-    Dataset data = read_vmat(options->in);
+    Dataset boxes;
+    if (!options->boxes.empty()) boxes = read_dataset(options->boxes);
+    Dataset data = read_vmat_of_any_version(options->in, {nullptr, boxes.row_bounds, boxes.column_bounds});
     if (!options->as_stored) data = in_source_order(std::move(data));
     write_dataset(options->out, data);
     std::printf("%s: %u x %u, %llu ones\n", options->out.c_str(), data.matrix.shape().rows,
                 data.matrix.shape().columns, static_cast<unsigned long long>(data.matrix.ones()));
   });
 }
-
-namespace {
-
-// Rows of a file of either kind: where each can be read alone, and where they are the leafs of a tree.
-struct StoredRows {
-  Shape shape;
-  std::optional<Permutation> row_order, column_order;
-  std::optional<Partition> row_groups, column_groups;
-  std::function<std::vector<std::uint32_t>(std::uint32_t row)> ids;
-  std::function<std::string(std::uint32_t row)> cost;
-};
-
-void with_rows(const std::filesystem::path& path, const std::function<void(const StoredRows&)>& work) {
-  const auto codecs = all_codecs();
-  const std::string name = codec_of(path);
-  if (std::none_of(codecs.begin(), codecs.end(),
-                   [&](const Codec& c) { return c.name == name && c.over_tree == TreeOver::rows; })) {
-    const RowReader reader(path, codecs);
-    RowBuffer<std::uint32_t> buffer;
-    work({reader.shape(), reader.row_order(), reader.column_order(), reader.row_groups(), reader.column_groups(),
-          [&](std::uint32_t row) {
-            const auto ids = reader.ids(row, buffer);
-            return std::vector<std::uint32_t>(ids.begin(), ids.end());
-          },
-          [&](std::uint32_t row) { return std::to_string(reader.row_bytes(row)) + " bytes"; }});
-    return;
-  }
-  with_container(path, [&](const Container& container) {
-    const NodeReader reader = open_nodes(container);
-    work({container.shape, container.row_order, container.column_order, container.row_groups, container.column_groups,
-          [&](std::uint32_t row) { return reader.set(reader.node_of_row(row)).members; },
-          [&](std::uint32_t row) {
-            const NodeReader::Cost cost = reader.cost(reader.node_of_row(row));
-            return std::to_string(cost.bytes) + " bytes of " + std::to_string(cost.parts) + " parts";
-          }});
-  });
-}
-
-}  // namespace
 
 void add_row(CLI::App& app) {
   struct Options {
@@ -188,40 +140,46 @@ void add_row(CLI::App& app) {
                  "A line for each run of ids, first and last, instead of one for each id");
   verb->footer("Example: vismat row city32.vmat 17");
   verb->callback([options] {
-    with_rows(options->in, [&](const StoredRows& stored) {
-      auto [shape, row_order, column_order, row_groups, column_groups, ids_of, cost_of] = stored;
-      if (options->as_stored) {
-        row_order = column_order = std::nullopt;
-        row_groups = column_groups = std::nullopt;
-      }
-      std::uint32_t row = options->row;
-      if (const std::uint32_t rows = row_groups ? row_groups->size() : shape.rows; row >= rows) {
-        throw std::invalid_argument(options->in.string() + ": no row " + std::to_string(row) + "; it has " +
-                                    std::to_string(rows));
-      }
-      if (row_order) row = row_order->new_of_old()[row];
-      if (row_groups) row = row_groups->group_of_member()[row];
-      std::vector<std::uint32_t> ids = ids_of(row);
-      if (column_order) {
-        const auto source_of = column_order->old_of_new();
-        for (std::uint32_t& id : ids) id = source_of[id];
-      }
-      if (column_groups) {
-        const VisibilityMatrix members = column_groups->members();
-        for (const std::uint32_t id : std::exchange(ids, {}))
-          ids.insert(ids.end(), members.row(id).begin(), members.row(id).end());
-      }
-      std::sort(ids.begin(), ids.end());
-      if (options->runs) {
-        for_each_run(ids, [](std::uint32_t first, std::uint32_t count) {
-          std::printf("%u %u\n", first, first + count - 1);
-        });
-      } else {
-        for (const std::uint32_t id : ids) std::printf("%u\n", id);
-      }
-      std::fprintf(stderr, "row %u: %zu of %u visible, %s\n", options->row, ids.size(),
-                   column_groups ? column_groups->size() : shape.columns, cost_of(row).c_str());
-    });
+    const RowReader reader(options->in, all_codecs());
+    const Shape shape = reader.shape();
+    SourceMap source = reader.source();
+    if (options->as_stored) source = {};
+    if (!source.boundaries.empty()) {  // these are of the view cells, not of the lists
+      source.row_order.reset();
+      source.row_groups.reset();
+    }
+    std::uint32_t row = options->row;
+    if (const std::uint32_t rows = source.row_groups ? source.row_groups->size() : shape.rows; row >= rows) {
+      throw std::invalid_argument(options->in.string() + ": no row " + std::to_string(row) + "; it has " +
+                                  std::to_string(rows));
+    }
+    if (source.row_order) row = source.row_order->new_of_old()[row];
+    if (source.row_groups) row = source.row_groups->group_of_member()[row];
+    RowBuffer<std::uint32_t> buffer;
+    const auto stored = reader.ids(row, buffer);
+    std::vector<std::uint32_t> ids(stored.begin(), stored.end());
+    if (source.column_order) {
+      const auto source_of = source.column_order->old_of_new();
+      for (std::uint32_t& id : ids) id = source_of[id];
+    }
+    if (source.column_groups) {
+      const VisibilityMatrix members = source.column_groups->members();
+      for (const std::uint32_t id : std::exchange(ids, {}))
+        ids.insert(ids.end(), members.row(id).begin(), members.row(id).end());
+    }
+    std::sort(ids.begin(), ids.end());
+    if (options->runs) {
+      for_each_run(ids, [](std::uint32_t first, std::uint32_t count) {
+        std::printf("%u %u\n", first, first + count - 1);
+      });
+    } else {
+      for (const std::uint32_t id : ids) std::printf("%u\n", id);
+    }
+    const RowSource::Cost cost = reader.cost(row);
+    std::fprintf(stderr, "row %u: %zu of %u visible, %llu bytes", options->row, ids.size(), source.source_shape(shape).columns,
+                 static_cast<unsigned long long>(cost.bytes));
+    if (cost.parts != 1) std::fprintf(stderr, " of %llu parts", static_cast<unsigned long long>(cost.parts));
+    std::fprintf(stderr, "\n");
   });
 }
 
@@ -244,13 +202,13 @@ void add_node(CLI::App& app) {
   verb->callback([options] {
     with_container(options->in, [&](const Container& container) {
       const Codec& codec = find_codec(container.codec);
-      const bool over_rows = codec.over_tree == TreeOver::rows;
-      const ObjectTree* const tree = tree_for(codec, container);
+      const bool over_rows = codec.needs.tree == TreeOver::rows;
+      const ObjectTree* const tree = tree_for(codec, container.source);
       if (tree == nullptr || options->node >= tree->size()) {
         throw std::invalid_argument(options->in.string() + ": no node " + std::to_string(options->node) +
                                     "; it has " + std::to_string(tree ? tree->size() : 0));
       }
-      const NodeReader reader = open_nodes(container);
+      const NodeReader reader(codec, Parts(container.encoded), container.shape, *tree);
       const NodeSet set = reader.set(options->node);
       const auto children = reader.children(set);
       const char* const of = over_rows ? "sees" : "visible from";

@@ -24,7 +24,7 @@
 #include "layout/random_order.h"
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
-#include "visibility/bounding_volume_tree.h"
+#include "programs/prepared_for.h"
 
 namespace vismat::cli {
 namespace {
@@ -41,7 +41,7 @@ struct Options {
 struct Subject {
   std::string matrix, order;
   Dataset data;
-  std::optional<Dataset> nodes;  // for codecs over a tree: its nodes keep their order, rows do not
+  Permutation rows, columns;  // the order
   std::uint64_t permutation_bytes = 0;
 };
 
@@ -74,14 +74,18 @@ double median_seconds(double seconds, const Work& work) {
   return at_share(times, .5);
 }
 
-// Rows one by one as a viewer asks for them: shuffled, into one buffer, warm.
-void measure_rows(const RowReader& reader, const VisibilityMatrix& matrix, double seconds, Figures& figures) {
-  const std::uint32_t rows = matrix.shape().rows;
+double seconds_of_all_rows(const RowReader& reader, double seconds) {
   RowBuffer<std::uint32_t> buffer;
-  figures.decode_s = median_seconds(seconds, [&] {
-    for (std::uint32_t r = 0; r < rows; ++r) reader.ids(r, buffer);
+  return median_seconds(seconds, [&] {
+    for (std::uint32_t r = 0; r < reader.shape().rows; ++r) reader.ids(r, buffer);
   });
+}
+
+// Rows one by one as a viewer asks for them: shuffled, into one buffer, warm.
+void measure_rows(const RowReader& reader, double seconds, Figures& figures) {
+  const std::uint32_t rows = reader.shape().rows;
   if (rows == 0) return;
+  RowBuffer<std::uint32_t> buffer;
   const auto shuffled = random_order(rows, 1).old_of_new();
   std::vector<double> clock(1001), times;
   for (double& t : clock) {
@@ -100,20 +104,23 @@ void measure_rows(const RowReader& reader, const VisibilityMatrix& matrix, doubl
 }
 
 Figures measure(const Codec& codec, const Dataset& data, double seconds) {
-  const ObjectTree* tree = codec.over_tree == TreeOver::nothing ? nullptr : tree_for(codec, data.source);
   const VisibilityMatrix& matrix = data.matrix;
+  const Side side = side_of(codec, data);
   Figures figures;
-  Container container = compress(matrix, codec, tree);
+  Container container = compress(data, codec);
   figures.bytes = container.encoded.payload.size() + container.encoded.index.size();
-  if (decompress(container, codec) != matrix)
+  if (decompress(container, codec, side) != matrix)
     throw std::runtime_error("codec '" + std::string(codec.name) + "' does not restore the matrix");
-  figures.encode_s = median_seconds(seconds, [&] { container.encoded = codec.encode(matrix, tree); });
-  if (codec.open_rows != nullptr) {
-    const auto file = write_container(container);
-    measure_rows(RowReader(file, std::span(&codec, 1)), matrix, seconds, figures);
-  } else {
-    figures.decode_s = median_seconds(seconds, [&] { decompress(container, codec); });
+  figures.encode_s = median_seconds(seconds, [&] { container.encoded = codec.encode(matrix, side, {}); });
+  const auto by_parts = [&] { return median_seconds(seconds, [&] { decompress(container, codec, side); }); };
+  if (codec.open == nullptr) {
+    figures.decode_s = by_parts();
+    return figures;
   }
+  const auto file = write_container(container);
+  const RowReader reader(file, std::span(&codec, 1), side);
+  figures.decode_s = codec.needs.tree == TreeOver::nothing ? seconds_of_all_rows(reader, seconds) : by_parts();
+  measure_rows(reader, seconds, figures);
   return figures;
 }
 
@@ -129,7 +136,6 @@ Subject subject_of(const std::filesystem::path& file, const std::string& order, 
   s.order = order;
   s.data = read_dataset(file);
   const auto [rows, columns] = s.data.matrix.shape();
-  if (!s.data.source.row_tree && !s.data.row_bounds.empty()) s.data.source.row_tree = bounding_volume_tree(s.data.row_bounds, 2);
   if (distinct) {
     auto kinds = distinct_columns(s.data.matrix);
     s.permutation_bytes += static_cast<std::uint64_t>(
@@ -138,32 +144,33 @@ Subject subject_of(const std::filesystem::path& file, const std::string& order, 
     s.data.matrix = std::move(kinds.matrix);
     s.matrix += ", distinct columns";
   }
-  if (s.data.source.tree && s.data.source.boundaries.empty()) s.nodes = s.data.source.columns_are_nodes ? s.data : over_nodes(s.data);
+  s.rows = Permutation::identity(s.data.matrix.shape().rows);
+  s.columns = Permutation::identity(s.data.matrix.shape().columns);
   if (order == "best") {
-    const Permutation by_columns = best_order(s.data.matrix, {.stages = show_progress}),
-                      by_rows = best_order(transpose(s.data.matrix), {.stages = show_progress});
-    s.permutation_bytes += permutation_bytes(rows) + permutation_bytes(by_columns.size());
-    s.data = reordered(std::move(s.data), by_rows, by_columns);
-    if (s.nodes)
-      s.nodes =
-          reordered(std::move(*s.nodes), by_rows, Permutation::identity(s.nodes->matrix.shape().columns));
+    s.columns = best_order(s.data.matrix, {.stages = show_progress});
+    s.rows = best_order(transpose(s.data.matrix), {.stages = show_progress});
+    s.permutation_bytes += permutation_bytes(rows) + permutation_bytes(s.columns.size());
   }
   return s;
 }
 
-std::vector<Codec> codecs_named(const std::vector<std::string>& names) {
-  std::vector<Codec> codecs = all_codecs();
-  for (const Codec& codec : program_codecs()) {
-    const bool named = std::find(names.begin(), names.end(), codec.name) != names.end();
-    if (named || program_available(codec)) codecs.push_back(codec);
-  }
-  if (names.empty()) return codecs;
+// As the codec needs it, then in the order: of nodes the rows alone.
+Dataset prepared(const Subject& s, const Codec& codec) {
+  Dataset data = prepared_for(codec, s.data, {.orders = false});
+  if (codec.needs.tree != TreeOver::columns) return reordered(std::move(data), s.rows, s.columns);
+  const Permutation as_is = Permutation::identity(data.matrix.shape().columns);
+  return reordered(std::move(data), s.rows, as_is);
+}
+
+std::vector<Codec> chosen_codecs(const std::vector<std::string>& names) {
   std::vector<Codec> chosen;
   for (const std::string& name : names) {
-    const auto found =
-        std::find_if(codecs.begin(), codecs.end(), [&](const Codec& c) { return c.name == name; });
-    chosen.push_back(found == codecs.end() ? find_codec(name) : *found);  // which throws, listing the names
+    const Codec* const program = codec_named(name, program_codecs());
+    chosen.push_back(program != nullptr ? *program : find_codec(name));  // which throws, listing the names
   }
+  if (!names.empty()) return chosen;
+  chosen = all_codecs();
+  for (const Codec& codec : available_program_codecs()) chosen.push_back(codec);
   return chosen;
 }
 
@@ -193,8 +200,8 @@ void print(const Subject& s, const Codec& codec, const Figures& f) {
 void write_csv_line(std::ostringstream& csv, const Subject& s, const Codec& codec, const Figures& f) {
   const Shape shape = s.data.matrix.shape();
   csv << '"' << s.matrix << "\"," << shape.rows << ',' << shape.columns << ',' << s.data.matrix.ones() << ','
-      << s.order << ',' << codec.name << ',' << f.bytes << ',' << s.permutation_bytes << ',' << f.encode_s
-      << ',' << f.decode_s << ',';
+      << s.order << ',' << codec.name << ',' << to_string(codec.origin) << ',' << f.bytes << ',' << s.permutation_bytes << ','
+      << f.encode_s << ',' << f.decode_s << ',';
   if (f.row_p50_us)
     csv << *f.row_p50_us << ',' << *f.row_p99_us << '\n';
   else
@@ -224,15 +231,15 @@ void add_compare(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("--csv", options->csv, "Also write a table of commas");
   verb->footer(
-      "Bytes are payload and index. Codecs that give rows alone decode row by row into one buffer, others "
-      "the whole matrix.\n"
+      "Bytes are payload and index. Codecs that give rows alone decode row by row into one buffer, others, and those over a "
+      "tree, the whole matrix.\n"
       "Every codec is checked by a round trip first. Codecs over a tree want a matrix with a tree, over rows one with boxes or with a tree over them.\n"
       "Example: vismat compare koth1.bsp.h5 --orders natural,best --csv koth1.csv");
   verb->callback([options] {
-    const auto codecs = codecs_named(options->codecs);
+    const auto codecs = chosen_codecs(options->codecs);
     std::ostringstream csv;
     csv.precision(6);
-    csv << "matrix,rows,columns,ones,order,codec,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,row_"
+    csv << "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,row_"
            "p99_us\n";
     for (const auto& file : options->files) {
       for (const std::string& order : options->orders) {
@@ -242,10 +249,8 @@ void add_compare(CLI::App& app) {
         std::uint64_t done = 0;
         for (const Codec& codec : codecs) {
           progress(done++, codecs.size());
-          if (codec.over_tree == TreeOver::columns && !s.nodes) continue;
-          if (codec.over_tree == TreeOver::rows && !s.data.source.row_tree) continue;
-          const Figures figures =
-              measure(codec, codec.over_tree == TreeOver::columns ? *s.nodes : s.data, options->seconds);
+          if (!obstacle(codec, s.data).empty()) continue;
+          const Figures figures = measure(codec, prepared(s, codec), options->seconds);
           print(s, codec, figures);
           write_csv_line(csv, s, codec, figures);
         }

@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cli/summary.h"
@@ -42,6 +44,29 @@ void print_groups(const char* what, const std::optional<Partition>& groups) {
   if (groups) line(what, grouped(groups->groups()) + " groups of " + grouped(groups->size()) + " of the source");
 }
 
+void print_source_map(const SourceMap& source) {
+  if (!source.boundaries.empty()) line("boundaries", summary_of(source.boundaries));
+  if (source.row_order || source.column_order) {
+    const bool both = source.row_order == source.column_order;
+    line("reordered", both                   ? "rows and columns, alike"
+                      : !source.row_order    ? "columns"
+                      : !source.column_order ? "rows"
+                                             : "rows, columns");
+  }
+  print_groups("rows are", source.row_groups);
+  print_groups("columns are", source.column_groups);
+  std::string names;
+  for (const auto& [there, what] : {std::pair(!source.row_names.empty(), "rows"), std::pair(!source.column_names.empty(), "columns")}) {
+    if (there) names += (names.empty() ? "" : ", ") + std::string(what);
+  }
+  if (!names.empty()) line("names of", names);
+  if (!source.column_levels.empty()) line("columns are", "levels of detail of objects");
+  if (source.row_tree) print_tree("tree over rows", *source.row_tree);
+  if (!source.tree) return line("tree", "none");
+  print_tree("tree", *source.tree);
+  if (source.columns_are_nodes) line("", "the columns are its nodes");
+}
+
 void print_size(Shape shape, std::uint64_t ones) {
   const double cells = static_cast<double>(shape.rows) * shape.columns;
   line("shape", grouped(shape.rows) + " rows x " + grouped(shape.columns) + " columns");
@@ -70,18 +95,7 @@ void print_dataset(const Dataset& dataset) {
   if (dataset.row_neighbours)
     add(true, "row neighbours (" + grouped(dataset.row_neighbours->ones() / 2) + " pairs)");
   line("geometry", geometry.empty() ? "none" : geometry);
-  if (!dataset.source.boundaries.empty()) line("boundaries", summary_of(dataset.source.boundaries));
-  if (dataset.source.row_order || dataset.source.column_order) {
-    line("reordered", std::string(dataset.source.row_order ? "rows" : "") +
-                          (dataset.source.row_order && dataset.source.column_order ? ", " : "") +
-                          (dataset.source.column_order ? "columns" : ""));
-  }
-  print_groups("rows are", dataset.source.row_groups);
-  print_groups("columns are", dataset.source.column_groups);
-  if (dataset.source.row_tree) print_tree("tree over rows", *dataset.source.row_tree);
-  if (!dataset.source.tree) return line("tree", "none");
-  print_tree("tree", *dataset.source.tree);
-  if (dataset.source.columns_are_nodes) line("", "the columns are its nodes");
+  print_source_map(dataset.source);
 }
 
 void print_scene(const SceneFile& file) {
@@ -103,29 +117,26 @@ void print_scene(const SceneFile& file) {
   }
 }
 
-void print_container(const Container& container) {
+void print_container(const Container& container, std::span<const std::byte> file) {
   print_size(container.shape, container.ones);
   line("codec", container.codec);
   const std::size_t payload = container.encoded.payload.size();
   const double ones = static_cast<double>(std::max<std::uint64_t>(container.ones, 1));
   line("payload",
        grouped(payload) + " bytes, " + formatted("%.3f bits a one", 8 * static_cast<double>(payload) / ones));
-  line("index", grouped(container.encoded.index.size()) + " bytes");
-  const auto order = [](const std::optional<Permutation>& stored) {
-    return stored ? "stored, " + grouped(permutation_bytes(stored->size())) + " bytes"
-                  : std::string("the source's");
-  };
-  if (!container.row_groups) line("row order", order(container.row_order));
-  if (!container.column_groups) line("column order", order(container.column_order));
-  if (!container.boundaries.empty()) line("boundaries", summary_of(container.boundaries));
-  print_groups("rows are", container.row_groups);
-  print_groups("columns are", container.column_groups);
-  if (container.row_tree) print_tree("tree over rows", *container.row_tree);
-  if (container.tree) {
-    print_tree("tree", *container.tree);
-  } else {
-    line("tree", "none");
+  const ContainerHead head(file);
+  using S = vmat::Section;
+  for (const auto& [section, what] :
+       {std::pair(S::index, "index"), std::pair(S::bands, "bands"), std::pair(S::row_order, "row order"),
+        std::pair(S::column_order, "column order"), std::pair(S::shared_order, "order of both"),
+        std::pair(S::row_groups, "row groups"), std::pair(S::column_groups, "column groups"),
+        std::pair(S::boundaries, "boundaries"), std::pair(S::row_tree, "row tree"), std::pair(S::tree, "column tree"),
+        std::pair(S::row_names, "row names"), std::pair(S::column_names, "column names"),
+        std::pair(S::column_levels, "levels")}) {
+    if (const std::size_t bytes = head.section(section).size(); bytes > 0) line(what, grouped(bytes) + " bytes");
   }
+  if (container.boxes) line("coded under", "boxes of rows and columns, which a reader must have");
+  print_source_map(container.source);
   std::istringstream facts(container.facts);
   for (std::string fact; std::getline(facts, fact);) line("said of it", fact);
 }
@@ -179,11 +190,11 @@ void print_info(const std::string& where) {
   } else if (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD")) {
     title("levels");
     print_levels(where);
-  } else if (begin.starts_with("\x89VMAT")) {
+  } else if (vmat::begins_vmat(std::as_bytes(std::span(begin)))) {
     const auto bytes = read_file(where);
     const Container container = naming(where, [&] { return read_container(bytes); });
     title("compressed matrix");
-    print_container(container);
+    print_container(container, bytes);
   } else if (is_hdf5(where) && naming(where, [&] { return Hdf5File::open(where).contains("/scene"); })) {
     const SceneFile scene = read_scene(where);
     title("scene");

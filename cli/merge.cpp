@@ -70,7 +70,7 @@ void merge(const Options& options) {
   VisibilityMatrix expanded = groups.rows ? expand_rows(data.matrix, *groups.rows) : data.matrix;
   if (groups.columns) expanded = expand_columns(expanded, *groups.columns);
   print_loss(loss_of(expanded, original));
-  line("map", grouped(group_bytes(groups.rows).size() + group_bytes(groups.columns).size()) + " bytes in a .vmat file");
+  line("map", grouped(group_size(groups.rows) + group_size(groups.columns)) + " bytes in a .vmat file");
   if (nodes && !data.source.columns_are_nodes) line("tree", "left out: its nodes were merged");
 }
 

@@ -1,11 +1,13 @@
 #include "cli/vmat_files.h"
 
-#include <cstring>
+#include <array>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "codecs/baseline_codecs.h"
+#include "codecs/vmat3.h"
 #include "matrix/atomic_file.h"
 
 namespace vismat::cli {
@@ -19,7 +21,6 @@ void read_facts(const std::string& facts, Dataset& data) {
     const std::string key = line.substr(0, colon), value = line.substr(colon + 2);
     if (key == "rows_are") data.rows_are = value;
     if (key == "columns_are") data.columns_are = value;
-    if (key == "columns_are_nodes") data.source.columns_are_nodes = value == "yes";
     if (key == "provenance") data.provenance = value;
     try {
       if (key == "guarantee") data.guarantee = guarantee_from_string(value);
@@ -30,25 +31,22 @@ void read_facts(const std::string& facts, Dataset& data) {
   }
 }
 
-Dataset dataset_of(const Container& container) {
+Dataset dataset_of(Container container, const Side& boxes) {
   Dataset data;
   read_facts(container.facts, data);
-  data.matrix = decompress(container, find_codec(container.codec));
-  data.source.tree = container.tree;
-  data.source.row_tree = container.row_tree;
-  data.source.row_order = container.row_order;
-  data.source.column_order = container.column_order;
-  data.source.row_groups = container.row_groups;
-  data.source.column_groups = container.column_groups;
-  data.source.boundaries = container.boundaries;
-  if (const std::uint32_t columns = container.shape.columns;
-      data.source.tree ? (data.source.columns_are_nodes ? data.source.tree->size() : data.source.tree->object_count()) != columns
-                : data.source.columns_are_nodes) {
-    throw FormatError("tree section: does not fit the " + std::to_string(columns) + " columns");
-  }
-  if (data.source.row_tree && data.source.row_tree->object_count() != container.shape.rows)
-    throw FormatError("row tree section: does not fit the " + std::to_string(container.shape.rows) + " rows");
+  data.matrix = decompress(container, find_codec(container.codec), boxes);
+  data.source = std::move(container.source);
   return data;
+}
+
+// What is refused names the file.
+template <typename Work>
+auto naming(const std::filesystem::path& path, const Work& work) {
+  try {
+    return work();
+  } catch (const FormatError& error) {
+    throw FormatError(path.string() + ": " + error.what());
+  }
 }
 
 }  // namespace
@@ -56,7 +54,6 @@ Dataset dataset_of(const Container& container) {
 std::string facts_of(const Dataset& data) {
   std::string facts = "rows_are: " + data.rows_are + "\ncolumns_are: " + data.columns_are + "\n";
   facts += "guarantee: " + std::string(to_string(data.guarantee)) + "\n";
-  if (data.source.columns_are_nodes) facts += "columns_are_nodes: yes\n";
   if (data.seed) facts += "seed: " + std::to_string(*data.seed) + "\n";
   if (!data.provenance.empty()) facts += "provenance: " + data.provenance + "\n";
   return facts;
@@ -64,31 +61,30 @@ std::string facts_of(const Dataset& data) {
 
 void with_container(const std::filesystem::path& path, const std::function<void(const Container&)>& work) {
   const auto bytes = read_file(path);
-  try {
-    work(read_container(bytes));
-  } catch (const FormatError& error) {
-    throw FormatError(path.string() + ": " + error.what());
-  }
+  naming(path, [&] { work(read_container(bytes)); });
 }
 
-std::string codec_of(const std::filesystem::path& path) {
+Dataset read_vmat(const std::filesystem::path& path, const Side& boxes) {
+  const auto bytes = read_file(path);
+  return naming(path, [&] { return dataset_of(read_container(bytes), boxes); });
+}
+
+Dataset read_vmat_of_any_version(const std::filesystem::path& path, const Side& boxes) {
+  const auto bytes = read_file(path);
+  return naming(path, [&] {
+    return dataset_of(is_vmat3(bytes) ? read_vmat3(bytes, all_codecs()) : read_container(bytes), boxes);
+  });
+}
+
+bool is_vmat(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  char head[61] = {};  // docs/vmat.md
-  file.read(head, 60);
-  return head + 28;
-}
-
-Dataset read_vmat(const std::filesystem::path& path) {
-  Dataset data;
-  with_container(path, [&](const Container& container) { data = dataset_of(container); });
-  return data;
+  std::array<char, vmat::magic.size()> begin = {};
+  file.read(begin.data(), begin.size());
+  return vmat::begins_vmat(std::as_bytes(std::span(begin)));
 }
 
 Dataset read_any_matrix(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  char first[5] = {};
-  file.read(first, sizeof first);
-  return std::memcmp(first, "\x89VMAT", sizeof first) == 0 ? read_vmat(path) : read_dataset(path);
+  return is_vmat(path) ? read_vmat(path) : read_dataset(path);
 }
 
 }  // namespace vismat::cli

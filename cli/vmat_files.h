@@ -13,10 +13,13 @@ namespace vismat::cli {
 std::string facts_of(const Dataset& data);
 /// Calls work with the container of the file; what goes wrong names the file.
 void with_container(const std::filesystem::path& path, const std::function<void(const Container&)>& work);
-/// The codec that the file names, unchecked: for who then opens it one way or another.
-std::string codec_of(const std::filesystem::path& path);
-/// All that a `.vmat` file holds, as it is stored. Throws as read_dataset does.
-Dataset read_vmat(const std::filesystem::path& path);
+/// All that a `.vmat` file holds, as it is stored; with `boxes` of a dataset, for codecs that code under them. Throws as
+/// read_dataset does.
+Dataset read_vmat(const std::filesystem::path& path, const Side& boxes = {});
+/// The same of a file of version 3 or of today's.
+Dataset read_vmat_of_any_version(const std::filesystem::path& path, const Side& boxes = {});
+/// Whether the file begins like a `.vmat` file of some version; false where it cannot be opened.
+bool is_vmat(const std::filesystem::path& path);
 /// `.vmat`, or what read_dataset reads; told apart by the first bytes.
 Dataset read_any_matrix(const std::filesystem::path& path);
 

@@ -23,20 +23,18 @@ std::span<const Codec> baseline_codecs() {
 
 std::vector<Codec> all_codecs() {
   std::vector<Codec> all(own_codecs().begin(), own_codecs().end());
-  const auto first_of_paper =
-      std::find_if(all.begin(), all.end(), [](const Codec& c) { return c.over_tree != TreeOver::nothing; });
+  const auto first_over_tree =
+      std::find_if(all.begin(), all.end(), [](const Codec& c) { return c.needs.tree != TreeOver::nothing; });
   const auto baselines = baseline_codecs();
-  all.insert(first_of_paper, baselines.begin(), baselines.end());
+  all.insert(first_over_tree, baselines.begin(), baselines.end());
   return all;
 }
 
 const Codec& find_codec(std::string_view name) {
   static const std::vector<Codec> all = all_codecs();
+  if (const Codec* codec = codec_named(name, all)) return *codec;
   std::string names;
-  for (const Codec& codec : all) {
-    if (codec.name == name) return codec;
-    names += (names.empty() ? "" : ", ") + std::string(codec.name);
-  }
+  for (const Codec& codec : all) names += (names.empty() ? "" : ", ") + std::string(codec.name);
   throw std::invalid_argument("no codec '" + std::string(name) + "'; there are " + names);
 }
 

@@ -10,7 +10,7 @@ namespace vismat {
 /// Whole-file compressors over the byte-aligned bitmap, and what gives rows alone.
 std::span<const Codec> baseline_codecs();
 
-/// Plain codecs, then baselines, then the paper's methods: the order of tables.
+/// Codecs that need no tree, baselines after ours, then those over trees: the order of tables.
 std::vector<Codec> all_codecs();
 /// Throws std::invalid_argument that lists the names.
 const Codec& find_codec(std::string_view name);

@@ -142,7 +142,7 @@ struct RoaringRows {
 }  // namespace
 
 Codec roaring_baseline() {
-  return row_codec<RoaringRows>("roaring", "Roaring bitmaps after runOptimize, portable format");
+  return row_codec<RoaringRows>("roaring", "Roaring bitmaps after runOptimize, portable format", Origin::baseline);
 }
 
 }  // namespace vismat

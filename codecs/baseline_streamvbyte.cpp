@@ -87,7 +87,7 @@ class StreamVByte {
 }  // namespace
 
 Codec streamvbyte_baseline() {
-  return row_codec<PairRows<StreamVByte>>("streamvbyte", "gaps and runs in Stream VByte");
+  return row_codec<PairRows<StreamVByte>>("streamvbyte", "gaps and runs in Stream VByte", Origin::baseline);
 }
 
 }  // namespace vismat

@@ -18,6 +18,7 @@
 
 #include "codecs/baseline_parts.h"
 #include "codecs/bitmap.h"
+#include "codecs/whole_file_codec.h"
 
 namespace vismat {
 namespace {
@@ -81,7 +82,7 @@ Step zlib_step(int code) {
   return code == Z_STREAM_END ? Step::ended : code == Z_OK ? Step::more : Step::failed;
 }
 
-Encoded gzip_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
+Encoded gzip_encode(const VisibilityMatrix& matrix) {
   Encoded out;
   z_stream stream{};
   if (deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
@@ -94,7 +95,7 @@ Encoded gzip_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
   return out;
 }
 
-VisibilityMatrix gzip_decode(Bytes payload, Bytes, Shape shape, const ObjectTree*) {
+VisibilityMatrix gzip_decode(Bytes payload, Shape shape) {
   std::vector<std::byte> bitmap;
   z_stream stream{};
   if (inflateInit2(&stream, 15 + 16) != Z_OK) throw std::bad_alloc();
@@ -111,7 +112,7 @@ Step bzip2_step(int code) {
   return code == BZ_STREAM_END ? Step::ended : code >= 0 ? Step::more : Step::failed;
 }
 
-Encoded bzip2_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
+Encoded bzip2_encode(const VisibilityMatrix& matrix) {
   Encoded out;
   bz_stream stream{};
   if (BZ2_bzCompressInit(&stream, 9, 0, 0) != BZ_OK) throw std::bad_alloc();
@@ -124,7 +125,7 @@ Encoded bzip2_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
   return out;
 }
 
-VisibilityMatrix bzip2_decode(Bytes payload, Bytes, Shape shape, const ObjectTree*) {
+VisibilityMatrix bzip2_decode(Bytes payload, Shape shape) {
   std::vector<std::byte> bitmap;
   bz_stream stream{};
   if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) throw std::bad_alloc();
@@ -141,7 +142,7 @@ Step lzma_step(lzma_ret code) {
   return code == LZMA_STREAM_END ? Step::ended : code == LZMA_OK ? Step::more : Step::failed;
 }
 
-Encoded xz_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
+Encoded xz_encode(const VisibilityMatrix& matrix) {
   const auto bitmap = bitmap_bytes(matrix);
   lzma_options_lzma options;
   if (lzma_lzma_preset(&options, 9 | LZMA_PRESET_EXTREME)) throw std::logic_error("xz: no preset -9e");
@@ -160,7 +161,7 @@ Encoded xz_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
   return out;
 }
 
-VisibilityMatrix xz_decode(Bytes payload, Bytes, Shape shape, const ObjectTree*) {
+VisibilityMatrix xz_decode(Bytes payload, Shape shape) {
   // Dictionary sizes are stored as 2^n or 3 * 2^n, so up to 1.5 times the bitmap's; the rest is the decoder itself.
   const std::uint64_t memory = bitmap_size(shape) + bitmap_size(shape) / 2 + (1 << 20);
   std::vector<std::byte> bitmap;
@@ -181,7 +182,7 @@ int window_log(std::uint64_t bytes, int least) {
   return std::clamp(static_cast<int>(std::bit_width(bytes)), least, 31);
 }
 
-Encoded zstd_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
+Encoded zstd_encode(const VisibilityMatrix& matrix) {
   const auto bitmap = bitmap_bytes(matrix);
   const std::unique_ptr<ZSTD_CCtx, std::size_t (*)(ZSTD_CCtx*)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
   if (context == nullptr) throw std::bad_alloc();
@@ -200,7 +201,7 @@ Encoded zstd_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
   return out;
 }
 
-VisibilityMatrix zstd_decode(Bytes payload, Bytes, Shape shape, const ObjectTree*) {
+VisibilityMatrix zstd_decode(Bytes payload, Shape shape) {
   const std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
   if (context == nullptr) throw std::bad_alloc();
   ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, window_log(bitmap_size(shape), 10));
@@ -218,7 +219,7 @@ VisibilityMatrix zstd_decode(Bytes payload, Bytes, Shape shape, const ObjectTree
 
 // --- brotli -q 11 --lgwin=24: the largest window of RFC 7932
 
-Encoded brotli_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
+Encoded brotli_encode(const VisibilityMatrix& matrix) {
   const auto bitmap = bitmap_bytes(matrix);
   Encoded out;
   std::size_t size = BrotliEncoderMaxCompressedSize(bitmap.size());
@@ -232,7 +233,7 @@ Encoded brotli_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
   return out;
 }
 
-VisibilityMatrix brotli_decode(Bytes payload, Bytes, Shape shape, const ObjectTree*) {
+VisibilityMatrix brotli_decode(Bytes payload, Shape shape) {
   const Open<BrotliDecoderState> state(BrotliDecoderCreateInstance(nullptr, nullptr, nullptr),
                                        BrotliDecoderDestroyInstance);
   if (state == nullptr) throw std::bad_alloc();
@@ -256,11 +257,11 @@ VisibilityMatrix brotli_decode(Bytes payload, Bytes, Shape shape, const ObjectTr
 
 std::array<Codec, 5> whole_file_baselines() {
   return {
-      whole_file_codec("gzip", "bitmap through gzip -9", gzip_encode, gzip_decode),
-      whole_file_codec("bzip2", "bitmap through bzip2 -9", bzip2_encode, bzip2_decode),
-      whole_file_codec("xz", "bitmap through xz -9e", xz_encode, xz_decode),
-      whole_file_codec("zstd", "bitmap through zstd -19 --long", zstd_encode, zstd_decode),
-      whole_file_codec("brotli", "bitmap through brotli -q 11 --lgwin=24", brotli_encode, brotli_decode),
+      whole_file_codec<gzip_encode, gzip_decode>("gzip", "bitmap through gzip -9", Origin::baseline),
+      whole_file_codec<bzip2_encode, bzip2_decode>("bzip2", "bitmap through bzip2 -9", Origin::baseline),
+      whole_file_codec<xz_encode, xz_decode>("xz", "bitmap through xz -9e", Origin::baseline),
+      whole_file_codec<zstd_encode, zstd_decode>("zstd", "bitmap through zstd -19 --long", Origin::baseline),
+      whole_file_codec<brotli_encode, brotli_decode>("brotli", "bitmap through brotli -q 11 --lgwin=24", Origin::baseline),
   };
 }
 

@@ -22,12 +22,11 @@ using Bytes = std::span<const std::byte>;
 
 enum Framing : int { raw = -15, zlib = 15 };  // zlib's window bits
 
-// One a thread and framing, reset for each stream: what a client would do.
+// Reset for each stream: what a client would do.
 class Deflater {
  public:
-  static Deflater& of_thread(Framing framing) {
-    thread_local Deflater of_raw(raw), of_zlib(zlib);
-    return framing == raw ? of_raw : of_zlib;
+  explicit Deflater(Framing framing) {
+    if (deflateInit2(&stream_, 9, Z_DEFLATED, framing, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
   }
   ~Deflater() { deflateEnd(&stream_); }
   Deflater(const Deflater&) = delete;
@@ -47,17 +46,14 @@ class Deflater {
   }
 
  private:
-  explicit Deflater(Framing framing) {
-    if (deflateInit2(&stream_, 9, Z_DEFLATED, framing, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
-  }
   z_stream stream_{};
 };
 
+// A reader's scratch.
 class Inflater {
  public:
-  static Inflater& of_thread() {
-    thread_local Inflater inflater;
-    return inflater;
+  Inflater() {
+    if (inflateInit2(&stream_, raw) != Z_OK) throw std::bad_alloc();
   }
   ~Inflater() { inflateEnd(&stream_); }
   Inflater(const Inflater&) = delete;
@@ -83,9 +79,6 @@ class Inflater {
   }
 
  private:
-  Inflater() {
-    if (inflateInit2(&stream_, raw) != Z_OK) throw std::bad_alloc();
-  }
   z_stream stream_{};
   std::unique_ptr<std::byte[]> buffer_;
   std::size_t capacity_ = 0;
@@ -94,18 +87,22 @@ class Inflater {
 class GzipRows {
  public:
   static constexpr bool escapes = false;
-  static GzipRows fit(const VisibilityMatrix& matrix) { return GzipRows(matrix.shape().columns); }
+  static GzipRows fit(const VisibilityMatrix& matrix) {
+    GzipRows rows(matrix.shape().columns);
+    rows.deflater_ = std::make_unique<Deflater>(raw);
+    return rows;
+  }
   void write_model(std::vector<std::byte>&) const {}
   static GzipRows read_model(ByteReader&, Shape shape) { return GzipRows(shape.columns); }
   void encode(std::span<const std::uint32_t> ids, std::vector<std::byte>& out) {
     row_.clear();
     put_bitmap_row(row_, ids, columns_);
-    Deflater::of_thread(raw).append(row_, out);
+    deflater_->append(row_, out);
   }
   template <typename Sink>
-  void decode(Bytes bytes, Sink& sink) const {
+  void decode(Bytes bytes, std::uint32_t, RowScratch& scratch, Sink& sink) const {
     const std::size_t size = row_bytes_of(columns_);
-    const Bytes row = Inflater::of_thread().inflate(bytes, size, raw);
+    const Bytes row = scratch.as<Inflater>().inflate(bytes, size, raw);
     if (row.size() != size)
       throw FormatError("inflates to " + std::to_string(row.size()) + " bytes; a row has " +
                         std::to_string(size));
@@ -116,25 +113,30 @@ class GzipRows {
   explicit GzipRows(std::uint32_t columns) : columns_(columns) {}
   std::uint32_t columns_;
   std::vector<std::byte> row_;
+  std::unique_ptr<Deflater> deflater_;  // an encoder's
 };
 
 class UnrealChunks {
  public:
   static constexpr std::uint32_t rows_per_part = 64;
-  static UnrealChunks fit(const VisibilityMatrix& matrix) { return UnrealChunks(matrix.shape()); }
+  static UnrealChunks fit(const VisibilityMatrix& matrix) {
+    UnrealChunks rows(matrix.shape());
+    rows.deflater_ = std::make_unique<Deflater>(zlib);
+    return rows;
+  }
   void write_model(std::vector<std::byte>&) const {}
   static UnrealChunks read_model(ByteReader&, Shape shape) { return UnrealChunks(shape); }
   void encode_part(const VisibilityMatrix& matrix, std::uint32_t first, std::uint32_t end,
                    std::vector<std::byte>& out) const {
     std::vector<std::byte> chunk;
     for (std::uint32_t r = first; r < end; ++r) put_bitmap_row(chunk, matrix.row(r), shape_.columns);
-    Deflater::of_thread(zlib).append(chunk, out);
+    deflater_->append(chunk, out);
   }
   template <typename Sink>
-  void decode(Bytes bytes, std::uint32_t row_in_part, Sink& sink) const {
+  void decode(Bytes bytes, std::uint32_t row_in_part, RowScratch& scratch, Sink& sink) const {
     const std::size_t size = row_bytes_of(shape_.columns), full = rows_per_part * size,
                       last = shape_.rows % rows_per_part * size;
-    const Bytes chunk = Inflater::of_thread().inflate(bytes, full, zlib);
+    const Bytes chunk = scratch.as<Inflater>().inflate(bytes, full, zlib);
     if ((chunk.size() != full && chunk.size() != last) || (row_in_part + 1) * size > chunk.size())
       throw FormatError("a chunk inflates to " + std::to_string(chunk.size()) +
                         " bytes, which are not its rows of " + std::to_string(size));
@@ -144,14 +146,15 @@ class UnrealChunks {
  private:
   explicit UnrealChunks(Shape shape) : shape_(shape) {}
   Shape shape_;
+  std::unique_ptr<Deflater> deflater_;  // an encoder's
 };
 
 }  // namespace
 
 std::array<Codec, 2> zlib_row_baselines() {
   return {
-      row_codec<GzipRows>("gzip-rows", "each row's bitmap through deflate -9"),
-      row_codec<UnrealChunks>("unreal-chunks", "64 rows' bitmaps through zlib -9, inflated for each row")};
+      row_codec<GzipRows>("gzip-rows", "each row's bitmap through deflate -9", Origin::baseline),
+      row_codec<UnrealChunks>("unreal-chunks", "64 rows' bitmaps through zlib -9, inflated for each row", Origin::baseline)};
 }
 
 }  // namespace vismat

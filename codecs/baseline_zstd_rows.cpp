@@ -40,25 +40,13 @@ Owned<T> owned(T* made) {
   return Owned<T>(made);
 }
 
-ZSTD_CCtx* compressor_of_thread() {
-  thread_local const auto context = [] {
-    auto made = owned(ZSTD_createCCtx());
-    done(ZSTD_CCtx_setParameter(made.get(), ZSTD_c_compressionLevel, 19));
-    done(ZSTD_CCtx_setParameter(made.get(), ZSTD_c_format, ZSTD_f_zstd1_magicless));
-    done(ZSTD_CCtx_setParameter(made.get(), ZSTD_c_contentSizeFlag, 0));
-    done(ZSTD_CCtx_setParameter(made.get(), ZSTD_c_dictIDFlag, 0));
-    return made;
-  }();
-  return context.get();
-}
-
-ZSTD_DCtx* decompressor_of_thread() {
-  thread_local const auto context = [] {
-    auto made = owned(ZSTD_createDCtx());
-    done(ZSTD_DCtx_setParameter(made.get(), ZSTD_d_format, ZSTD_f_zstd1_magicless));
-    return made;
-  }();
-  return context.get();
+Owned<ZSTD_CCtx> compressor() {
+  auto made = owned(ZSTD_createCCtx());
+  done(ZSTD_CCtx_setParameter(made.get(), ZSTD_c_compressionLevel, 19));
+  done(ZSTD_CCtx_setParameter(made.get(), ZSTD_c_format, ZSTD_f_zstd1_magicless));
+  done(ZSTD_CCtx_setParameter(made.get(), ZSTD_c_contentSizeFlag, 0));
+  done(ZSTD_CCtx_setParameter(made.get(), ZSTD_c_dictIDFlag, 0));
+  return made;
 }
 
 // One frame as described above, and nothing behind it.
@@ -77,22 +65,32 @@ void check_frame(Bytes bytes) {
   if (in.left() != 0) in.fail(std::to_string(in.left()) + " bytes after the frame");
 }
 
-// At most `most` bytes; valid until the thread's next call.
-Bytes decompress(Bytes frame, std::size_t most, const ZSTD_DDict* dictionary) {
-  check_frame(frame);
-  const std::size_t room =
-      std::min(most, frame.size() / 3 << 17);  // a block takes 3 bytes or more, gives 2^17 or less
-  thread_local std::unique_ptr<std::byte[]> buffer;
-  thread_local std::size_t capacity = 0;
-  if (room > capacity || buffer == nullptr) {
-    buffer = std::make_unique_for_overwrite<std::byte[]>(room + 1);
-    capacity = room;
+// A reader's scratch.
+class Decompressor {
+ public:
+  Decompressor() : context_(owned(ZSTD_createDCtx())) {
+    done(ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_format, ZSTD_f_zstd1_magicless));
   }
-  const std::size_t size = ZSTD_decompress_usingDDict(decompressor_of_thread(), buffer.get(), room,
-                                                      frame.data(), frame.size(), dictionary);
-  if (ZSTD_isError(size)) throw FormatError(std::string("zstd row: ") + ZSTD_getErrorName(size));
-  return {buffer.get(), size};
-}
+  // At most `most` bytes; valid until the next call.
+  Bytes decompress(Bytes frame, std::size_t most, const ZSTD_DDict* dictionary) {
+    check_frame(frame);
+    const std::size_t room =
+        std::min(most, frame.size() / 3 << 17);  // a block takes 3 bytes or more, gives 2^17 or less
+    if (room > capacity_ || buffer_ == nullptr) {
+      buffer_ = std::make_unique_for_overwrite<std::byte[]>(room + 1);
+      capacity_ = room;
+    }
+    const std::size_t size = ZSTD_decompress_usingDDict(context_.get(), buffer_.get(), room, frame.data(),
+                                                        frame.size(), dictionary);
+    if (ZSTD_isError(size)) throw FormatError(std::string("zstd row: ") + ZSTD_getErrorName(size));
+    return {buffer_.get(), size};
+  }
+
+ private:
+  Owned<ZSTD_DCtx> context_;
+  std::unique_ptr<std::byte[]> buffer_;
+  std::size_t capacity_ = 0;
+};
 
 // A thirtieth of the data, between the library's least size and the program's default. zdict.h recommends a hundredth; of
 // six level matrices a thirtieth made four smaller, by 1 to 12 %, and two larger, by 6 %. Empty where training fails: few or
@@ -117,6 +115,7 @@ class ZstdRows {
   static constexpr bool escapes = false;
   static ZstdRows fit(const VisibilityMatrix& matrix) {
     ZstdRows rows(matrix.shape().columns);
+    rows.compressor_ = compressor();
     if constexpr (with_dictionary) {
       rows.dictionary_ = trained_dictionary(matrix);
       if (!rows.dictionary_.empty())
@@ -139,7 +138,7 @@ class ZstdRows {
   void encode(std::span<const std::uint32_t> ids, std::vector<std::byte>& out) {
     row_.clear();
     put_bitmap_row(row_, ids, columns_);
-    ZSTD_CCtx* const context = compressor_of_thread();
+    ZSTD_CCtx* const context = compressor_.get();
     done(ZSTD_CCtx_refCDict(context, encoding_.get()));
     const std::size_t begin = out.size();
     out.resize(begin + ZSTD_compressBound(row_.size()));
@@ -147,9 +146,9 @@ class ZstdRows {
                                            row_.size())));
   }
   template <typename Sink>
-  void decode(Bytes bytes, Sink& sink) const {
+  void decode(Bytes bytes, std::uint32_t, RowScratch& scratch, Sink& sink) const {
     const std::size_t size = row_bytes_of(columns_);
-    const Bytes row = decompress(bytes, size, decoding_.get());
+    const Bytes row = scratch.as<Decompressor>().decompress(bytes, size, decoding_.get());
     if (row.size() != size)
       throw FormatError("zstd row of " + std::to_string(row.size()) + " bytes, not " + std::to_string(size));
     get_bitmap_row(row, sink);
@@ -159,16 +158,17 @@ class ZstdRows {
   explicit ZstdRows(std::uint32_t columns) : columns_(columns) {}
   std::uint32_t columns_;
   std::vector<std::byte> dictionary_, row_;
-  Owned<ZSTD_CDict> encoding_;
+  Owned<ZSTD_CCtx> compressor_;
+  Owned<ZSTD_CDict> encoding_;  // read by the compressor
   Owned<ZSTD_DDict> decoding_;
 };
 
 }  // namespace
 
 std::array<Codec, 2> zstd_row_baselines() {
-  return {row_codec<ZstdRows<false>>("zstd-rows", "each row's bitmap through zstd -19"),
+  return {row_codec<ZstdRows<false>>("zstd-rows", "each row's bitmap through zstd -19", Origin::baseline),
           row_codec<ZstdRows<true>>("zstd-dict",
-                                    "trained dictionary; each row's bitmap through zstd -19 with it")};
+                                    "trained dictionary; each row's bitmap through zstd -19 with it", Origin::baseline)};
 }
 
 }  // namespace vismat

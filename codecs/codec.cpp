@@ -1,5 +1,6 @@
 #include "codecs/codec.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "codecs/pair_huffman.h"
 #include "codecs/pairs.h"
 #include "codecs/panne.h"
+#include "codecs/parts.h"
 #include "codecs/quake_rle.h"
 #include "codecs/rice.h"
 #include "codecs/tree_coding.h"
@@ -20,33 +22,6 @@
 
 namespace vismat {
 namespace {
-
-using Bytes = std::span<const std::byte>;
-
-// The table wants plain functions; each codec over a tree is known to the rest by its name alone.
-template <std::size_t N>
-struct Name {
-  constexpr Name(const char (&text)[N]) {
-    for (std::size_t i = 0; i < N; ++i) value[i] = text[i];
-  }
-  char value[N];
-};
-
-template <Name name>
-constexpr Codec over_tree(std::string_view contents, TreeOver side, bool wants_row_order = false) {
-  Codec codec{};
-  codec.name = name.value;
-  codec.contents = contents;
-  codec.over_tree = side;
-  codec.wants_row_order = wants_row_order;
-  codec.encode = [](const VisibilityMatrix& matrix, const ObjectTree* tree) {
-    return encode_over_tree(*make_node_coder(name.value), matrix, tree);
-  };
-  codec.decode = [](Bytes payload, Bytes index, Shape shape, const ObjectTree* tree) {
-    return decode_over_tree(name.value, payload, index, shape, tree);
-  };
-  return codec;
-}
 
 struct DelimiterCode {
   void put(std::vector<std::byte>& out, std::span<const std::uint32_t> numbers) const {
@@ -57,42 +32,62 @@ struct DelimiterCode {
   };
 };
 
-constexpr std::array table = {
-    row_codec<BitmapRows>("bitmap", "rows of bits, padded to bytes"),
-    row_codec<QuakeRows>("quake-rle", "bitmap, zero bytes run-length coded"),
-    row_codec<PairRows<DelimiterCode>>("delimiter", "gaps and runs, a delimiter between numbers"),
-    row_codec<PairRows<GammaCode>>("pair-gamma", "gaps and runs, Elias' gamma code"),
-    row_codec<PairRows<DeltaCode>>("pair-delta", "gaps and runs, Elias' delta code"),
-    row_codec<PairRows<RiceCode>>("pair-rice", "gaps and runs, Rice's code, its parameters in each row"),
-    row_codec<PairRows<InterpolativeCode>>("pair-interpolative",
-                                           "where runs begin and end, interpolative code"),
-    row_codec<PairRows<OwnHuffmanCode>>("pair-huffman", "gaps and runs, a Huffman code in each row"),
-    row_codec<PairRows<SharedHuffmanCode>>("pair-huffman-shared",
-                                           "gaps and runs, a Huffman code each for all rows"),
-    row_codec<PairRows<LzwCode>>("pair-lzw", "gaps and runs as bytes, LZW"),
-    row_codec<PairRows<AnsCode>>("pair-ans", "gaps and runs, tANS, a table each for all rows"),
-    row_codec<EliasFanoRows>("elias-fano", "ids, Elias-Fano"),
-    row_codec<PanneRows>("panne", "clusters of common subsets, runs of zeros, a Huffman code each for all rows"),
-    over_tree<"zach0">("children's bits in the parent's cells", TreeOver::columns),
-    over_tree<"zach1">("intersection of all children, bits outside it", TreeOver::columns),
-    over_tree<"zach2">("intersection of a chosen subset, subset masks, bits outside it", TreeOver::columns),
-    over_tree<"zach3-huffman">("run lengths, a Huffman code each for runs of zeros and of ones",
-                               TreeOver::columns, true),
-    over_tree<"zach3-range">("run lengths, range coded, frequencies each for runs of zeros and of ones",
-                             TreeOver::columns, true),
-    over_tree<"zach4-huffman">("ones before each zero, one Huffman code", TreeOver::columns, true),
-    over_tree<"zach4-range">("ones before each zero, range coded", TreeOver::columns, true),
-    over_tree<"gotsman1">("both children's objects", TreeOver::rows),
-    over_tree<"gotsman2">("both children's objects, of the node's", TreeOver::rows),
-    over_tree<"gotsman3">("the first child's objects, of the node's; the second's, of the first's", TreeOver::rows),
-    over_tree<"gotsman3-context">("of each of the node's objects which child sees it, range coded under contexts",
-                                  TreeOver::rows),
+template <typename Code>
+constexpr Codec pairs(std::string_view name, std::string_view contents, Origin origin = Origin::ours) {
+  return row_codec<PairRows<Code>>(name, contents, origin);
+}
+
+constexpr Codec panne() {
+  Codec codec = row_codec<PanneRows>(
+      "panne", "clusters of common subsets, runs of zeros, a Huffman code each for all rows", Origin::paper);
+  codec.slow_encode = codec.searches = true;
+  return codec;
+}
+
+constexpr std::array rows_alone = {
+    row_codec<BitmapRows>("bitmap", "rows of bits, padded to bytes", Origin::baseline),
+    row_codec<QuakeRows>("quake-rle", "bitmap, zero bytes run-length coded", Origin::baseline),
+    pairs<DelimiterCode>("delimiter", "gaps and runs, a delimiter between numbers", Origin::paper),
+    pairs<GammaCode>("pair-gamma", "gaps and runs, Elias' gamma code"),
+    pairs<DeltaCode>("pair-delta", "gaps and runs, Elias' delta code"),
+    pairs<RiceCode>("pair-rice", "gaps and runs, Rice's code, its parameters in each row"),
+    pairs<InterpolativeCode>("pair-interpolative", "where runs begin and end, interpolative code"),
+    pairs<OwnHuffmanCode>("pair-huffman", "gaps and runs, a Huffman code in each row"),
+    pairs<SharedHuffmanCode>("pair-huffman-shared", "gaps and runs, a Huffman code each for all rows"),
+    pairs<LzwCode>("pair-lzw", "gaps and runs as bytes, LZW"),
+    pairs<AnsCode>("pair-ans", "gaps and runs, tANS, a table each for all rows"),
+    row_codec<EliasFanoRows>("elias-fano", "ids, Elias-Fano", Origin::ours),
+    panne(),
 };
 
 }  // namespace
 
+std::string_view to_string(Origin origin) {
+  return origin == Origin::ours ? "ours" : origin == Origin::paper ? "paper" : "baseline";
+}
+
 std::span<const Codec> own_codecs() {
+  static const std::vector<Codec> table = [] {
+    std::vector<Codec> codecs(rows_alone.begin(), rows_alone.end());
+    for (const auto more : {zach_codecs(), gotsman_codecs()}) codecs.insert(codecs.end(), more.begin(), more.end());
+    return codecs;
+  }();
   return table;
+}
+
+const Codec* codec_named(std::string_view name, std::span<const Codec> codecs) {
+  const auto found = std::ranges::find(codecs, name, &Codec::name);
+  return found == codecs.end() ? nullptr : &*found;
+}
+
+const ObjectTree* tree_for(const Codec& codec, const SourceMap& source) {
+  if (codec.needs.tree == TreeOver::nothing) return nullptr;
+  const auto& tree = codec.needs.tree == TreeOver::rows ? source.row_tree : source.tree;
+  return tree ? &*tree : nullptr;
+}
+
+VisibilityMatrix decode(const Codec& codec, const Encoded& encoded, Shape shape, const Side& side, std::uint64_t most) {
+  return codec.decode(Parts(encoded), shape, side, most);
 }
 
 }  // namespace vismat

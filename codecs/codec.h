@@ -1,70 +1,106 @@
-// The table of codecs: matrix to bytes and back. Tests, benchmarks and the program loop over it.
+// What a codec is: matrix to bytes and back. own_codecs() is the table of ours; tests, benchmarks and the program loop over it.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "matrix/box.h"
 #include "matrix/byte_reader.h"
 #include "matrix/object_tree.h"
+#include "matrix/parallel.h"
+#include "matrix/source_map.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {
 
-class RowDecoder;
+class NodeCoder;
+class Parts;
+class RowSource;
 
-/// What an encoder makes. Neither part carries a header, so sizes compare fairly.
+/// What an encoder makes. No part of it carries a header, so sizes compare fairly.
 struct Encoded {
   std::vector<std::byte> payload;
-  /// Where parts of the payload lie, for readers of one part. Codecs over a tree: one varint a node that has children, the
-  /// bytes of its part; a client that stores each part in its node, as paper 002 does (Figure 2), has no use for it. Codecs
-  /// with open_rows: where rows begin (row_codec.h). Others: empty.
-  std::vector<std::byte> index;
+  /// Where the parts of the payload lie (part_index.h): a part a row, a group of rows or a tree node. Empty where the payload
+  /// is one piece. A client that keeps parts apart, as Zach and Karner [2003, Figure 2] keep each in its tree node, needs none.
+  std::vector<std::byte> index = {};
+  /// Sections of the model that parts share, by number, each read when it is needed.
+  std::vector<std::vector<std::byte>> shared = {};
+  /// First rows of bands that are decoded without what stands before them; empty, or ascending from row 0.
+  std::vector<std::uint32_t> bands = {};
   bool operator==(const Encoded&) const = default;
 };
+
+/// Whose idea a codec is: our own, a published one, or what people use today.
+enum class Origin { ours, paper, baseline };
+std::string_view to_string(Origin origin);
 
 /// What a codec's tree stands over. columns: its nodes are the columns, and the matrix is monotone over it. rows: binary, and
 /// each leaf holds a row.
 enum class TreeOver { nothing, columns, rows };
 
+/// What a codec wants of a dataset. prepared_for() in programs/ does it, once for the program, benchmarks and tests.
+struct Needs {
+  TreeOver tree = TreeOver::nothing;  // without one it cannot encode
+  bool row_order = false;             // rows by a greedy order: it codes runs that go from row to row
+  bool column_order = false;          // columns in the best order
+  bool shared_order = false;          // one order for both sides of a square matrix
+  bool distinct = false;              // equal rows and equal columns once
+  bool boxes = false;                 // without the boxes of rows and columns it cannot encode
+};
+
+/// What writer and reader both know beside the payload. Borrowed.
+struct Side {
+  const ObjectTree* tree = nullptr;
+  std::span<const Box> row_boxes, column_boxes;
+};
+
+/// Each codec says what it does with these; most do nothing. Same matrix, side, effort and seed: same bytes, on any number of
+/// threads, as long as `seconds` is 0.
+struct EncodeOptions {
+  unsigned effort = 0;     // 0: as the codec is known in tables; up to Codec::highest_effort
+  double seconds = 0;      // search that long; 0: until the codec's own rule ends the search
+  unsigned threads = 0;    // 0: one a core
+  std::uint64_t seed = 1;  // of a search
+  Progress progress = {};  // how much is done of how much, from which who shows it tells the time left
+};
+
 /// A plain value. `name` is stored in files and never reused for other bytes.
 struct Codec {
   std::string_view name;
   std::string_view contents;  // what the payload holds, for tables
-  /// The tree that it wants; the others ignore it.
-  TreeOver over_tree = TreeOver::nothing;
-  bool wants_row_order =
-      false;  // run lengths follow the rows' order; the paper reorders view cells before these
-  /// Throws std::invalid_argument where the tree that it wants is missing, does not fit or is not monotone.
-  Encoded (*encode)(const VisibilityMatrix&, const ObjectTree*) = nullptr;
-  /// Throws FormatError on any bytes that encode() cannot have made for this shape and tree, in time and
-  /// memory linear in the payload and the matrix that it describes.
-  VisibilityMatrix (*decode)(std::span<const std::byte> payload, std::span<const std::byte> index, Shape,
-                             const ObjectTree*) = nullptr;
-  /// Where any row can be read alone: its decoder, from the payload's model. Otherwise null. See row_reader.h.
-  std::unique_ptr<const RowDecoder> (*open_rows)(std::span<const std::byte> model, Shape) = nullptr;
-  std::uint32_t rows_per_part = 1;  // rows that share their bytes
+  Origin origin = Origin::ours;
+  Needs needs;
+  bool slow_encode = false;         // milliseconds for a matrix of a few dozen rows, seconds or minutes for a level's
+  bool searches = false;            // encode() goes on for EncodeOptions::seconds where these are given
+  unsigned highest_effort = 0;      // of EncodeOptions::effort
+  std::uint32_t rows_per_part = 1;  // rows that share their bytes, of a codec that gives rows
+
+  /// Throws std::invalid_argument where the side lacks what `needs` names or does not fit the matrix.
+  Encoded (*encode)(const VisibilityMatrix&, const Side&, const EncodeOptions&) = nullptr;
+  /// The whole matrix. Throws FormatError on any bytes that encode() cannot have made for this shape and side, and where there
+  /// are more than `most` ones. Takes memory as it decodes, not as the shape claims.
+  VisibilityMatrix (*decode)(const Parts&, Shape, const Side&, std::uint64_t most) = nullptr;
+  /// Where any row can be read alone: its rows. Otherwise null. Copies what it needs of the parts; the bytes and the side are
+  /// borrowed. Throws FormatError as decode() does.
+  std::unique_ptr<const RowSource> (*open)(Parts, Shape, const Side&) = nullptr;
+  /// Of a codec over a tree: how it codes a node (tree_coding.h). Otherwise null.
+  std::unique_ptr<NodeCoder> (*node_coder)() = nullptr;
 };
 
-/// Of a dataset's or a file's two trees the one for this codec; null if there is none.
-template <typename TwoTrees>
-const ObjectTree* tree_for(const Codec& codec, const TwoTrees& of) {
-  const auto& tree = codec.over_tree == TreeOver::rows ? of.row_tree : of.tree;
-  return tree ? &*tree : nullptr;
-}
+/// Of a matrix's two trees the one for this codec; null if there is none.
+const ObjectTree* tree_for(const Codec& codec, const SourceMap& source);
 
-constexpr Codec whole_file_codec(std::string_view name, std::string_view contents,
-                                 decltype(Codec::encode) encode, decltype(Codec::decode) decode) {
-  Codec codec{};
-  codec.name = name;
-  codec.contents = contents;
-  codec.encode = encode;
-  codec.decode = decode;
-  return codec;
-}
+/// What `codec` made, decoded.
+VisibilityMatrix decode(const Codec& codec, const Encoded& encoded, Shape shape, const Side& side = {},
+                        std::uint64_t most = ~std::uint64_t{0});
 
-/// Our own codecs; they need the standard library alone.
+/// The codec of that name; null where there is none. The one place where names are compared.
+const Codec* codec_named(std::string_view name, std::span<const Codec> codecs);
+
+/// Our own codecs; they need POSIX and the C++20 standard library alone.
 std::span<const Codec> own_codecs();
 
 }  // namespace vismat

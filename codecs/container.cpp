@@ -4,23 +4,17 @@
 #include <cassert>
 #include <cstring>
 #include <stdexcept>
-#include <utility>
 
 #include "codecs/bit_stream.h"
-#include "matrix/checksum.h"
-#include "codecs/row_codec.h"
+#include "codecs/parts.h"
 #include "codecs/sections.h"
+#include "matrix/checksum.h"
 #include "matrix/claimed_shape.h"
 
 namespace vismat {
 namespace {
 
-constexpr std::array<unsigned char, 8> magic = {0x89, 'V', 'M', 'A', 'T', '\r', '\n', 0x1a};
-constexpr std::uint32_t version = 3;
-constexpr std::size_t name_bytes = 32;
-// magic, version, rows, columns, ones, codec, sizes of the sections, checksum of the blocks' checksums, of the head
-constexpr std::size_t head_bytes = 8 + 4 + 4 + 4 + 8 + name_bytes + 8 * ContainerHead::sections + 4 + 4;
-static_assert(head_bytes % 4 == 0);
+using vmat::Section;
 
 template <typename Number>
 void put(std::vector<std::byte>& out, Number value) {
@@ -36,171 +30,277 @@ std::uint32_t load(std::span<const std::byte> bytes, std::size_t at) {
   return value;
 }
 
-// The size of the body that the head tells, where file = head, a checksum for each block, body; nullopt if there is none.
-std::optional<std::uint64_t> body_bytes(std::span<const std::byte> file) {
-  ByteReader in(file, ".vmat");
-  in.skip(head_bytes - 8 - 8 * ContainerHead::sections);
+struct Layout {
+  std::size_t head = 0;  // bytes of the head, with its two checksums
   std::uint64_t body = 0;
-  for (int s = 0; s < ContainerHead::sections; ++s) {
-    const auto size = in.number<std::uint64_t>();
-    if (size > file.size() - body) return std::nullopt;  // also where the sum would overflow
-    body += size;
-  }
-  const std::uint64_t blocks = (body + ContainerHead::block_bytes - 1) / ContainerHead::block_bytes;
-  if (head_bytes + 4 * blocks + body != file.size()) return std::nullopt;
-  return body;
-}
+};
 
-std::span<const std::byte> block_of(std::span<const std::byte> body, std::uint64_t block) {
-  const std::uint64_t begin = block * ContainerHead::block_bytes;
-  return body.subspan(begin, std::min(ContainerHead::block_bytes, body.size() - begin));
+// Where the checksums and the body of a file begin whose head is there; nullopt where its sizes do not add up to the file's.
+std::optional<Layout> layout_of(std::span<const std::byte> file) {
+  if (file.size() < vmat::fixed_head_bytes) return std::nullopt;
+  const std::uint64_t sections = load(file, vmat::fixed_head_bytes - 4);
+  const std::uint64_t head = vmat::fixed_head_bytes + sections * vmat::section_entry_bytes + vmat::head_sums_bytes;
+  if (head > file.size()) return std::nullopt;
+  Layout layout{head, 0};
+  ByteReader in(file, ".vmat");
+  in.skip(vmat::fixed_head_bytes);
+  for (std::uint64_t s = 0; s < sections; ++s) {
+    in.skip(4);
+    const auto size = in.number<std::uint64_t>();
+    if (size > file.size() - layout.body) return std::nullopt;  // also where the sum would overflow
+    layout.body += size;
+  }
+  if (head + 4 * CheckedBytes::blocks_of(layout.body) + layout.body != file.size()) return std::nullopt;
+  return layout;
 }
 
 std::string text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+bool is_known(std::uint32_t kind) {
+  return (kind >= std::uint32_t(Section::facts) && kind <= std::uint32_t(Section::payload)) ||
+         (kind >= std::uint32_t(Section::first_shared) && kind <= std::uint32_t(Section::last_shared));
+}
+
+Side side_of(const Codec& codec, const SourceMap& source, const Side& boxes) {
+  return {tree_for(codec, source), boxes.row_boxes, boxes.column_boxes};
+}
+
 }  // namespace
+
+BoxSums box_sums(const Side& side) {
+  return {crc32(std::as_bytes(side.row_boxes)), crc32(std::as_bytes(side.column_boxes))};
+}
+
+void check_boxes(const std::optional<BoxSums>& coded_under, const Side& boxes) {
+  if (!coded_under) return;
+  if (boxes.row_boxes.empty() && boxes.column_boxes.empty())
+    throw FormatError("was coded under the boxes of its rows and columns; they must be given");
+  if (box_sums(boxes) != *coded_under)
+    throw FormatError("was coded under other boxes of rows and columns than those given");
+}
 
 ContainerHead::ContainerHead(std::span<const std::byte> file) {
   ByteReader in(file, ".vmat");
-  if (file.size() < magic.size() || std::memcmp(file.data(), magic.data(), magic.size()) != 0)
-    in.fail("not a .vmat file: the magic number differs");
-  in.skip(magic.size());
-  if (const auto found = in.number<std::uint32_t>(); found != version)
-    in.fail("version " + std::to_string(found) + "; this program reads version " + std::to_string(version));
-  if (file.size() < head_bytes) in.fail("cut short: a head takes " + std::to_string(head_bytes) + " bytes");
-  if (crc32(file.first(head_bytes - 4)) != load(file, head_bytes - 4))
+  if (!vmat::begins_vmat(file)) in.fail("not a .vmat file: the magic number differs");
+  in.skip(vmat::magic.size());
+  if (const auto found = in.number<std::uint32_t>(); found != vmat::version) {
+    in.fail("version " + std::to_string(found) + "; this program reads version " + std::to_string(vmat::version) +
+            (found == 3 ? ": 'vismat decode' reads version 3, then encode again" : ""));
+  }
+  const auto layout = layout_of(file);
+  if (!layout) in.fail("the file has " + std::to_string(file.size()) + " bytes, not what its head tells: cut short or damaged");
+  if (crc32(file.first(layout->head - 4)) != load(file, layout->head - 4))
     in.fail("the head's checksum differs: the file is damaged");
-  const auto body = body_bytes(file);
-  if (!body)
-    in.fail("the file has " + std::to_string(file.size()) +
-            " bytes, not what its head tells: cut short or damaged");
 
   shape.rows = in.number<std::uint32_t>();
   shape.columns = in.number<std::uint32_t>();
   ones = in.number<std::uint64_t>();
   if (ones > std::uint64_t{shape.rows} * shape.columns) in.fail("more ones than the matrix has places");
-  codec = text(in.bytes(name_bytes));
+  codec = text(in.bytes(vmat::name_bytes));
   const std::size_t name_end = std::min(codec.find('\0'), codec.size());
   if (codec.find_first_not_of('\0', name_end) != std::string::npos) in.fail("bytes behind the codec's name");
   codec.resize(name_end);
-  body_ = file.last(*body);
-  sums_ = file.subspan(head_bytes, file.size() - *body - head_bytes);
+  body_ = file.last(layout->body);
+  sums_ = file.subspan(layout->head, file.size() - layout->body - layout->head);
   std::uint64_t at = 0;
-  for (auto& section : section_) {
+  std::uint32_t last = 0;
+  for (auto left = in.number<std::uint32_t>(); left > 0; --left) {
+    const auto kind = in.number<std::uint32_t>();
     const auto size = in.number<std::uint64_t>();
-    section = body_.subspan(at, size);
+    if (kind <= last || !is_known(kind)) in.fail("section " + std::to_string(kind) + " is unknown or out of order");
+    if (size == 0) in.fail("section " + std::to_string(kind) + " is empty");
+    last = kind;
+    sections_.emplace_back(Section(kind), body_.subspan(at, size));
     at += size;
   }
   if (crc32(sums_) != in.number<std::uint32_t>())
     in.fail("the checksum of checksums differs: the file is damaged");
 }
 
-void ContainerHead::check_block(std::uint64_t block) const {
-  if (crc32(block_of(body_, block)) != load(sums_, 4 * block)) {
-    throw FormatError(".vmat: the checksum of bytes " + std::to_string(block * block_bytes) + " on of " +
-                      std::to_string(body_.size()) + " of the body differs: the file is damaged");
+std::span<const std::byte> ContainerHead::section(Section which) const {
+  for (const auto& [kind, bytes] : sections_) {
+    if (kind == which) return bytes;
   }
+  return {};
 }
 
 void seal_container(std::span<std::byte> file) {
-  if (file.size() < head_bytes) return;
-  const auto body = body_bytes(file);
-  if (!body) return;
-  const auto sums = file.subspan(head_bytes, file.size() - *body - head_bytes);
-  for (std::uint64_t b = 0; b < sums.size() / 4; ++b)
-    store(sums, 4 * b, crc32(block_of(file.last(*body), b)));
-  store(file, head_bytes - 8, crc32(sums));
-  store(file, head_bytes - 4, crc32(file.first(head_bytes - 4)));
+  const auto layout = layout_of(file);
+  if (!layout) return;
+  const auto body = file.last(layout->body);
+  const auto sums = file.subspan(layout->head, file.size() - layout->body - layout->head);
+  for (std::uint64_t b = 0; b < sums.size() / 4; ++b) {
+    const std::uint64_t begin = b * CheckedBytes::block_bytes;
+    store(sums, 4 * b, crc32(body.subspan(begin, std::min(CheckedBytes::block_bytes, body.size() - begin))));
+  }
+  store(file, layout->head - 8, crc32(sums));
+  store(file, layout->head - 4, crc32(file.first(layout->head - 4)));
 }
 
 std::vector<std::byte> write_container(const Container& container) {
-  assert(container.codec.size() <= name_bytes);
-  const std::vector<std::byte> tree = tree_bytes(container.tree), row_tree = tree_bytes(container.row_tree),
-                               row_order = order_bytes(container.row_order),
-                               column_order = order_bytes(container.column_order),
-                               row_groups = group_bytes(container.row_groups),
-                               column_groups = group_bytes(container.column_groups),
-                               boundaries = boundary_bytes(container.boundaries);
-  const std::array<std::span<const std::byte>, ContainerHead::sections> sections = {
-      std::as_bytes(std::span(container.facts)),
-      tree,
-      row_tree,
-      row_order,
-      column_order,
-      row_groups,
-      column_groups,
-      boundaries,
-      container.encoded.index,
-      container.encoded.payload};
+  assert(container.codec.size() <= vmat::name_bytes);
+  const Encoded& encoded = container.encoded;
+  const SourceMap& source = container.source;
+  check_source_map(source, container.shape);
+  if (encoded.shared.size() > std::size_t(Section::last_shared) - std::size_t(Section::first_shared) + 1)
+    throw std::invalid_argument(std::to_string(encoded.shared.size()) + " shared sections are more than a file holds");
+  std::vector<std::pair<Section, std::vector<std::byte>>> sections;
+  const auto add = [&](Section kind, std::vector<std::byte> bytes) {
+    if (!bytes.empty()) sections.emplace_back(kind, std::move(bytes));
+  };
+  const auto facts = std::as_bytes(std::span(container.facts));
+  add(Section::facts, {facts.begin(), facts.end()});
+  if (source.tree) add(Section::tree, tree_bytes(*source.tree, source.columns_are_nodes));
+  if (source.row_tree) add(Section::row_tree, tree_bytes(*source.row_tree, false));
+  const bool shared = source.row_order && source.row_order == source.column_order && source.row_order->size() > 0;
+  if (shared) {
+    add(Section::shared_order, order_bytes(*source.row_order));
+  } else {
+    if (source.row_order) add(Section::row_order, order_bytes(*source.row_order));
+    if (source.column_order) add(Section::column_order, order_bytes(*source.column_order));
+  }
+  if (source.row_groups) add(Section::row_groups, group_bytes(*source.row_groups));
+  if (source.column_groups) add(Section::column_groups, group_bytes(*source.column_groups));
+  add(Section::boundaries, boundary_bytes(source.boundaries));
+  add(Section::row_names, name_bytes(source.row_names));
+  add(Section::column_names, name_bytes(source.column_names));
+  add(Section::column_levels, level_bytes(source.column_levels));
+  if (container.boxes) {
+    std::vector<std::byte> sums(8);
+    store(sums, 0, container.boxes->rows);
+    store(sums, 4, container.boxes->columns);
+    add(Section::boxes, std::move(sums));
+  }
+  add(Section::bands, band_bytes(encoded.bands, container.shape.rows));
+  add(Section::index, encoded.index);
+  add(Section::payload, encoded.payload);
+  for (std::size_t i = 0; i < encoded.shared.size(); ++i) {
+    if (encoded.shared[i].empty()) throw std::invalid_argument("shared section " + std::to_string(i) + " is empty");
+    add(Section(std::uint32_t(Section::first_shared) + i), encoded.shared[i]);
+  }
+
   std::vector<std::byte> out;
-  for (const unsigned char c : magic) out.push_back(static_cast<std::byte>(c));
-  put(out, version);
+  for (const unsigned char c : vmat::magic) out.push_back(static_cast<std::byte>(c));
+  put(out, vmat::version);
   put(out, container.shape.rows);
   put(out, container.shape.columns);
   put(out, container.ones);
-  for (std::size_t i = 0; i < name_bytes; ++i)
-    put(out, i < container.codec.size() ? container.codec[i] : '\0');
+  for (std::size_t i = 0; i < vmat::name_bytes; ++i) put(out, i < container.codec.size() ? container.codec[i] : '\0');
+  put(out, static_cast<std::uint32_t>(sections.size()));
   std::uint64_t body = 0;
-  for (const auto section : sections) {
-    put(out, std::uint64_t{section.size()});
-    body += section.size();
+  for (const auto& [kind, bytes] : sections) {
+    put(out, static_cast<std::uint32_t>(kind));
+    put(out, std::uint64_t{bytes.size()});
+    body += bytes.size();
   }
-  out.resize(head_bytes + 4 * ((body + ContainerHead::block_bytes - 1) / ContainerHead::block_bytes));
+  out.resize(out.size() + vmat::head_sums_bytes + 4 * CheckedBytes::blocks_of(body));
   out.reserve(out.size() + body);
-  for (const auto section : sections) out.insert(out.end(), section.begin(), section.end());
+  for (const auto& [kind, bytes] : sections) out.insert(out.end(), bytes.begin(), bytes.end());
   seal_container(out);
   return out;
 }
 
+std::string read_facts(const ContainerHead& head, const CheckedBytes& body) {
+  return text(body.checked(head.section(Section::facts)));
+}
+
+SourceMap read_source_map(const ContainerHead& head, const CheckedBytes& body) {
+  const auto section = [&](Section kind) { return body.checked(head.section(kind)); };
+  SourceMap map;
+  if (const auto bytes = section(Section::tree); !bytes.empty())
+    std::tie(map.tree, map.columns_are_nodes) = tree_from_bytes(bytes);
+  if (const auto bytes = section(Section::row_tree); !bytes.empty()) {
+    auto [tree, nodes] = tree_from_bytes(bytes);
+    if (nodes) throw FormatError("row tree section: rows that are a tree's nodes");
+    map.row_tree = std::move(tree);
+  }
+  map.boundaries = boundaries_from_bytes(section(Section::boundaries), head.shape.rows);
+  const auto [rows, columns] = Shape{map.rows_of(head.shape), head.shape.columns};
+  map.row_order = order_from_bytes(section(Section::row_order), rows);
+  map.column_order = order_from_bytes(section(Section::column_order), columns);
+  if (map.row_order && map.row_order == map.column_order && rows > 0)
+    throw FormatError("the same order twice; it stands once for both sides");
+  if (const auto bytes = section(Section::shared_order); !bytes.empty()) {
+    if (map.row_order || map.column_order || rows != columns)
+      throw FormatError("an order of both sides beside one of a side, or of a matrix that is not square");
+    map.row_order = map.column_order = order_from_bytes(bytes, columns);
+  }
+  map.row_groups = groups_from_bytes(section(Section::row_groups), rows);
+  map.column_groups = groups_from_bytes(section(Section::column_groups), columns);
+  map.row_names = names_from_bytes(section(Section::row_names));
+  map.column_names = names_from_bytes(section(Section::column_names));
+  map.column_levels = levels_from_bytes(section(Section::column_levels));
+  try {
+    check_source_map(map, head.shape);
+  } catch (const std::invalid_argument& error) {
+    throw FormatError(error.what());
+  }
+  return map;
+}
+
+std::optional<BoxSums> read_box_sums(const ContainerHead& head, const CheckedBytes& body) {
+  const auto bytes = body.checked(head.section(Section::boxes));
+  if (bytes.empty()) return std::nullopt;
+  if (bytes.size() != 8) throw FormatError("the checksums of boxes take 8 bytes, not " + std::to_string(bytes.size()));
+  return BoxSums{load(bytes, 0), load(bytes, 4)};
+}
+
+std::vector<std::uint32_t> read_bands(const ContainerHead& head, const CheckedBytes& body) {
+  return bands_from_bytes(body.checked(head.section(Section::bands)), head.shape.rows);
+}
+
+std::vector<std::span<const std::byte>> shared_sections(const ContainerHead& head) {
+  std::vector<std::span<const std::byte>> shared;
+  for (auto kind = std::uint32_t(Section::first_shared); kind <= std::uint32_t(Section::last_shared); ++kind) {
+    const auto bytes = head.section(Section(kind));
+    if (bytes.empty()) continue;
+    if (kind != std::uint32_t(Section::first_shared) + shared.size())
+      throw FormatError("shared section " + std::to_string(shared.size()) + " is missing before another");
+    shared.push_back(bytes);
+  }
+  return shared;
+}
+
 Container read_container(std::span<const std::byte> bytes) {
   const ContainerHead head(bytes);
-  for (std::uint64_t b = 0; b < head.blocks(); ++b) head.check_block(b);
+  const CheckedBytes body(head.body(), head.sums());
+  body.checked(head.body());
   Container container;
   container.shape = head.shape;
   container.ones = head.ones;
   container.codec = head.codec;
-  container.facts = text(head.section(ContainerHead::facts));
-  const auto [rows, columns] = head.shape;
-  container.tree = tree_from_bytes(head.section(ContainerHead::tree));
-  container.row_tree = tree_from_bytes(head.section(ContainerHead::row_tree));
-  container.row_order = order_from_bytes(head.section(ContainerHead::row_order), rows);
-  container.column_order = order_from_bytes(head.section(ContainerHead::column_order), columns);
-  container.row_groups = groups_from_bytes(head.section(ContainerHead::row_groups), rows);
-  container.column_groups = groups_from_bytes(head.section(ContainerHead::column_groups), columns);
-  if ((container.row_groups && container.row_order) || (container.column_groups && container.column_order))
-    throw FormatError("an order beside groups; these tell it too");
-  container.boundaries = boundaries_from_bytes(head.section(ContainerHead::boundaries), rows);
-  const auto index = head.section(ContainerHead::index), payload = head.section(ContainerHead::payload);
-  container.encoded.index.assign(index.begin(), index.end());
-  container.encoded.payload.assign(payload.begin(), payload.end());
+  container.facts = read_facts(head, body);
+  container.source = read_source_map(head, body);
+  container.boxes = read_box_sums(head, body);
+  Encoded& encoded = container.encoded;
+  encoded.bands = read_bands(head, body);
+  const auto copy = [](std::span<const std::byte> from) { return std::vector<std::byte>(from.begin(), from.end()); };
+  encoded.index = copy(head.section(Section::index));
+  encoded.payload = copy(head.section(Section::payload));
+  for (const auto shared : shared_sections(head)) encoded.shared.push_back(copy(shared));
   return container;
 }
 
-Container container_of(const VisibilityMatrix& matrix, const Codec& codec, Encoded encoded) {
+Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap source, const EncodeOptions& options,
+                   const Side& boxes) {
   Container container;
   container.shape = matrix.shape();
   container.ones = matrix.ones();
   container.codec = codec.name;
-  container.encoded = std::move(encoded);
+  container.source = std::move(source);
+  container.encoded = codec.encode(matrix, side_of(codec, container.source, boxes), options);
+  if (codec.needs.boxes) container.boxes = box_sums(boxes);
   return container;
 }
 
-Container compress(const VisibilityMatrix& matrix, const Codec& codec, const ObjectTree* tree) {
-  Container container = container_of(matrix, codec, codec.encode(matrix, tree));
-  if (tree != nullptr) (codec.over_tree == TreeOver::rows ? container.row_tree : container.tree) = *tree;
-  return container;
-}
-
-VisibilityMatrix decompress(const Container& container, const Codec& codec) {
+VisibilityMatrix decompress(const Container& container, const Codec& codec, const Side& boxes) {
   assert(container.codec == codec.name);
-  const auto& [payload, index] = container.encoded;
+  check_boxes(container.boxes, boxes);
   const Shape shape = claimed_shape(container.shape.rows, container.shape.columns, container.ones);
   VisibilityMatrix matrix =
-      codec.open_rows != nullptr
-          ? decode_rows(codec.open_rows, codec.rows_per_part, payload, index, shape, container.ones)
-          : codec.decode(payload, index, shape, tree_for(codec, container));
+      decode(codec, container.encoded, shape, side_of(codec, container.source, boxes), container.ones);
   if (matrix.ones() != container.ones) {
     throw FormatError("the payload holds " + std::to_string(matrix.ones()) + " ones; the file states " +
                       std::to_string(container.ones));

@@ -6,7 +6,7 @@ namespace vismat {
 
 void EliasFanoRows::encode(std::span<const std::uint32_t> ids, std::vector<std::byte>& out) const {
   if (ids.empty()) return;
-  const unsigned low_bits = EliasFanoShape(ids.size(), columns).low_bits;
+  const unsigned low_bits = elias_fano_low_bits(ids.size(), columns);
   put_varint(out, ids.size());
   BitWriter low(out);
   for (const std::uint32_t id : ids) low.put(lowest_bits(id, low_bits), low_bits);

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "codecs/list_bits.h"
+#include "codecs/elias_fano.h"
 #include "codecs/row_codec.h"
 
 namespace vismat {
@@ -36,7 +37,7 @@ struct EliasFanoRows {
     const std::uint64_t count = in.varint();
     if (count == 0 || count > columns)
       in.fail(std::to_string(count) + " ids in a row of " + std::to_string(columns));
-    const unsigned low_bits = EliasFanoShape(count, columns).low_bits;
+    const unsigned low_bits = elias_fano_low_bits(count, columns);
     const std::size_t low_begin = in.offset();
     in.skip((count * low_bits + 7) / 8);
     if (const auto used = static_cast<unsigned>(count * low_bits % 8);

@@ -55,7 +55,6 @@ bool all_ones(std::span<const std::uint8_t> bits) {
 // What the plain three share: the root's part is its bits.
 class GotsmanBits : public NodeCoder {
  public:
-  TreeOver side() const override { return TreeOver::rows; }
   void encode(const ChildBits& node, std::vector<std::byte>& out) const override {
     BitWriter bits(out);
     if (node.of_root)
@@ -97,7 +96,8 @@ class WholeSets : public GotsmanBits {
     }
   }
   void get_children(BitReader& in, ChildBits& node) const override {
-    std::vector<std::uint8_t> objects(node.universe);
+    std::vector<std::uint8_t>& objects = node.memory;
+    objects.assign(node.universe, 0);
     for (const std::uint32_t child : {0, 1}) {
       get_bits(in, objects);
       for (std::uint32_t p = 0; p < node.members; ++p) {
@@ -149,11 +149,13 @@ class Trits {
   static constexpr unsigned questions = 44;
   static constexpr unsigned both = 3;
 
-  explicit Trits(const ChildBits& node)
+  // `memory` is overwritten and must outlive this.
+  Trits(const ChildBits& node, std::vector<std::uint8_t>& memory)
       : members_(node.set->members),
         history_(node.set->history),
         kind_(node.set->kind),
-        last_of_kind_(members_.size(), 0) {
+        last_of_kind_(memory) {
+    memory.assign(members_.size(), 0);
     constexpr std::array<std::uint32_t, 5> sizes = {2, 4, 8, 32, 128};
     for (unsigned i = 0; i < sizes.size(); ++i) of_node_ |= std::uint64_t{node.leafs <= sizes[i]} << (38 + i);
     of_node_ |= std::uint64_t{node.first_child} << 43;
@@ -215,19 +217,18 @@ class Trits {
   std::uint64_t last_ = 0, before_last_ = 0, repeated_ = 0;
   std::array<std::uint64_t, 4> seen_ = {};
   std::array<std::uint8_t, 342> last_of_history_ = {};
-  std::vector<std::uint8_t> last_of_kind_;
+  std::vector<std::uint8_t>& last_of_kind_;
 };
 
 class ContextTrits : public NodeCoder {
  public:
-  TreeOver side() const override { return TreeOver::rows; }
   bool wants_history() const override { return true; }
   bool learns() const override { return true; }
 
   // The trees are grown from about 4 M trits, those of the nodes that a hash picks: 32 MB, and most of the time that encoding
-  // takes.
-  void expect(std::uint64_t members) override {
-    constexpr std::uint64_t most = 1 << 22;
+  // takes. Each step of effort takes four times as many.
+  void expect(std::uint64_t members, const EncodeOptions& options) override {
+    const std::uint64_t most = std::uint64_t{1} << (22 + 2 * options.effort);
     picked_ = members <= most ? 1 : static_cast<double>(most) / static_cast<double>(members);
   }
   void see(const ChildBits& node) override {
@@ -235,7 +236,8 @@ class ContextTrits : public NodeCoder {
     seen_ += node.members;
     if (picked_ < 1 && Random(node.set->node).fraction() >= picked_) return;
     learned_ += node.members;
-    Trits trits(node);
+    std::vector<std::uint8_t> memory;
+    Trits trits(node, memory);
     for (std::uint32_t p = 0; p < node.members; ++p) {
       const std::uint64_t context = trits.context();
       const unsigned trit = trit_of(node, p);
@@ -268,7 +270,8 @@ class ContextTrits : public NodeCoder {
       return;
     }
     RangeEncoder coder(out);
-    Trits trits(node);
+    std::vector<std::uint8_t> memory;
+    Trits trits(node, memory);
     for (std::uint32_t p = 0; p < node.members; ++p) {
       const std::uint64_t context = trits.context();
       const unsigned trit = trit_of(node, p);
@@ -287,7 +290,7 @@ class ContextTrits : public NodeCoder {
       return;
     }
     RangeDecoder in(part);
-    Trits trits(node);
+    Trits trits(node, node.memory);
     for (std::uint32_t p = 0; p < node.members; ++p) {
       const std::uint64_t context = trits.context();
       const unsigned trit = in.get_bit(both_.share(context))   ? Trits::both
@@ -320,14 +323,30 @@ class ContextTrits : public NodeCoder {
   ContextTree both_, side_;
 };
 
+template <typename Coder>
+constexpr Codec method(std::string_view name, std::string_view contents, Origin origin) {
+  return tree_codec<Coder, TreeOver::rows>(name, contents, origin);
+}
+
+constexpr Codec context_method() {
+  Codec codec = method<ContextTrits>(
+      "gotsman3-context", "of each of the node's objects which child sees it, range coded under contexts", Origin::ours);
+  codec.slow_encode = true;
+  codec.highest_effort = 2;
+  return codec;
+}
+
+constexpr std::array table = {
+    method<WholeSets>("gotsman1", "both children's objects", Origin::paper),
+    method<RelativeToParent>("gotsman2", "both children's objects, of the node's", Origin::paper),
+    method<RelativeToSibling>("gotsman3", "the first child's objects, of the node's; the second's, of the first's", Origin::paper),
+    context_method(),
+};
+
 }  // namespace
 
-std::unique_ptr<NodeCoder> make_gotsman_coder(std::string_view codec) {
-  if (codec == "gotsman1") return std::make_unique<WholeSets>();
-  if (codec == "gotsman2") return std::make_unique<RelativeToParent>();
-  if (codec == "gotsman3") return std::make_unique<RelativeToSibling>();
-  if (codec == "gotsman3-context") return std::make_unique<ContextTrits>();
-  return nullptr;
+std::span<const Codec> gotsman_codecs() {
+  return table;
 }
 
 }  // namespace vismat

@@ -102,10 +102,6 @@ Encoded encode_panne(const VisibilityMatrix& matrix, const PanneTable& table) {
   return detail::encode_rows_with(PanneRows(table), matrix);
 }
 
-Encoded encode_panne(const VisibilityMatrix& matrix, const PanneSearch& search) {
-  return detail::encode_rows_with(PanneRows(search_clusters(matrix, search)), matrix);
-}
-
 // --- Decoder --------------------------------------------------------------------------------------------------------------
 
 PanneRows PanneRows::read_model(ByteReader& in, Shape shape) {
@@ -296,9 +292,8 @@ void PanneRows::set_row(std::span<const std::byte> part, std::uint64_t* words,
   });
 }
 
-PanneRows::Scratch::Scratch(const PanneRows& rows, std::span<const std::byte> part) {
-  static thread_local std::vector<std::uint64_t> words;
-  static thread_local std::vector<std::uint32_t> open;
+PanneRows::SetBits::SetBits(const PanneRows& rows, std::span<const std::byte> part, Scratch& scratch) {
+  auto& [words, open] = scratch;
   const std::size_t need = (std::size_t{rows.columns_} + 63) / 64;
   if (words.size() < need) words.resize(need, 0);
   row_ = std::as_writable_bytes(std::span(words).first(need));
@@ -310,7 +305,7 @@ PanneRows::Scratch::Scratch(const PanneRows& rows, std::span<const std::byte> pa
   }
 }
 
-void PanneRows::Scratch::clear() const {
+void PanneRows::SetBits::clear() const {
   std::fill(row_.begin(), row_.end(), std::byte{0});
 }
 

@@ -20,9 +20,7 @@
 
 namespace vismat {
 
-/// As codec `panne` of the table does, whose options are the default ones.
-Encoded encode_panne(const VisibilityMatrix& matrix, const PanneSearch& search);
-/// The same of a table that was searched before.
+/// As codec `panne` does, of a table that was searched before.
 Encoded encode_panne(const VisibilityMatrix& matrix, const PanneTable& table);
 
 /// A Huffman code for numbers of one kind, or of those that steps have.
@@ -61,22 +59,28 @@ class PanneCode {
 };
 
 /// The row codec (row_codec.h). Decoding a row: O(its symbols, and the clusters and runs that these hold) <= O(its ones), and
-/// a look at each word of its bitmap; memory that a thread keeps, a bit a column.
+/// a look at each word of its bitmap; scratch, a bit a column.
 class PanneRows {
  public:
   static constexpr std::uint32_t rows_per_part = 1;
-  static PanneRows fit(const VisibilityMatrix& matrix) { return PanneRows(search_clusters(matrix, {})); }
+  /// Of the options: how long to search, on how many threads, from which seed.
+  static PanneRows fit(const VisibilityMatrix& matrix, const Side&, const EncodeOptions& options) {
+    return PanneRows(search_clusters(matrix, {.seconds = options.seconds,
+                                              .seed = options.seed,
+                                              .threads = options.threads,
+                                              .progress = options.progress}));
+  }
   explicit PanneRows(PanneTable table);
   void write_model(std::vector<std::byte>& out);
   static PanneRows read_model(ByteReader& in, Shape shape);
   void encode_part(const VisibilityMatrix& matrix, std::uint32_t first, std::uint32_t end,
                    std::vector<std::byte>& out) const;
   template <typename Sink>
-  void decode(std::span<const std::byte> part, std::uint32_t, Sink& sink) const {
+  void decode(std::span<const std::byte> part, std::uint32_t, RowScratch& scratch, Sink& sink) const {
     if (part.size() == row_bytes_of(columns_)) return get_bitmap_row(part, sink);
     if (part.empty()) return;
     if (!clusters_.empty()) {
-      const Scratch bits(*this, part);
+      const SetBits bits(*this, part, scratch.as<Scratch>());
       return get_bitmap_row(bits.row(), sink);
     }
     for_each_step(part, [&](std::uint32_t zeros, std::uint32_t count, bool is_cluster) {
@@ -90,13 +94,17 @@ class PanneRows {
     std::uint32_t first, reach, objects;
     std::uint32_t runs, clusters;  // where its own begin in runs_ and inner_
   };
+  struct Scratch {
+    std::vector<std::uint64_t> words;  // all zero between rows
+    std::vector<std::uint32_t> open;   // clusters to come
+  };
   // A row's bits, all zero again when it goes.
-  class Scratch {
+  class SetBits {
    public:
-    Scratch(const PanneRows& rows, std::span<const std::byte> part);
-    ~Scratch() { clear(); }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
+    SetBits(const PanneRows& rows, std::span<const std::byte> part, Scratch& scratch);
+    ~SetBits() { clear(); }
+    SetBits(const SetBits&) = delete;
+    SetBits& operator=(const SetBits&) = delete;
     std::span<const std::byte> row() const { return row_; }
 
    private:

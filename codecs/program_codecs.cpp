@@ -18,6 +18,7 @@
 #include <system_error>
 
 #include "codecs/bitmap.h"
+#include "codecs/whole_file_codec.h"
 #include "matrix/atomic_file.h"
 
 extern "C" char** environ;
@@ -110,7 +111,7 @@ std::vector<std::byte> decoded_or_refuse(const std::string& complaint, const std
 
 constexpr const char* zpaq_package = "zpaq";
 
-Encoded zpaq_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
+Encoded zpaq_encode(const VisibilityMatrix& matrix) {
   const ScratchFolder folder;
   write_file(folder / "bitmap", bitmap_bytes(matrix));
   const std::chrono::sys_seconds date = std::chrono::sys_days(std::chrono::year(2000) / 1 / 1);
@@ -121,7 +122,7 @@ Encoded zpaq_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
   return {encoded_or_throw(complaint, folder / "a.zpaq"), {}};
 }
 
-VisibilityMatrix zpaq_decode(Bytes payload, Bytes, Shape shape, const ObjectTree*) {
+VisibilityMatrix zpaq_decode(Bytes payload, Shape shape) {
   const ScratchFolder folder;
   write_file(folder / "a.zpaq", payload);
   const std::string complaint = complaint_of(
@@ -149,7 +150,7 @@ bool has_entries(Shape shape) {
   return shape.rows > 0 && shape.columns > 0;
 }
 
-Encoded jbig1_encode(const VisibilityMatrix& matrix, const ObjectTree*) {
+Encoded jbig1_encode(const VisibilityMatrix& matrix) {
   const Shape shape = matrix.shape();
   if (!has_entries(shape)) return {};
   const std::string head = "P4\n" + std::to_string(shape.columns) + " " + std::to_string(shape.rows) + "\n";
@@ -184,7 +185,7 @@ std::size_t head_of_pbm(Bytes image, Shape shape) {
                     std::to_string(shape.rows));
 }
 
-VisibilityMatrix jbig1_decode(Bytes payload, Bytes, Shape shape, const ObjectTree*) {
+VisibilityMatrix jbig1_decode(Bytes payload, Shape shape) {
   if (!has_entries(shape)) {
     if (!payload.empty()) throw FormatError("jbig1: an image of no pixels");
     return VisibilityMatrix(shape);
@@ -199,8 +200,8 @@ VisibilityMatrix jbig1_decode(Bytes payload, Bytes, Shape shape, const ObjectTre
 }
 
 constexpr std::array table = {
-    whole_file_codec("zpaq", "bitmap through zpaq -method 5", zpaq_encode, zpaq_decode),
-    whole_file_codec("jbig1", "bitmap as an image through pbmtojbg -q", jbig1_encode, jbig1_decode),
+    whole_file_codec<zpaq_encode, zpaq_decode>("zpaq", "bitmap through zpaq -method 5", Origin::baseline),
+    whole_file_codec<jbig1_encode, jbig1_decode>("jbig1", "bitmap as an image through pbmtojbg -q", Origin::baseline),
 };
 
 bool on_path(const std::string& program) {
@@ -214,15 +215,21 @@ bool on_path(const std::string& program) {
   return false;
 }
 
+// What each of the table runs.
+const std::array<std::vector<std::string>, table.size()> programs = {{{"zpaq"}, {"pbmtojbg", "jbgtopbm"}}};
+
 }  // namespace
 
 std::span<const Codec> program_codecs() {
   return table;
 }
 
-bool program_available(const Codec& codec) {
-  return codec.name == "jbig1" ? on_path("pbmtojbg") && on_path("jbgtopbm")
-                               : on_path(std::string(codec.name));
+std::vector<Codec> available_program_codecs() {
+  std::vector<Codec> available;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (std::ranges::all_of(programs[i], on_path)) available.push_back(table[i]);
+  }
+  return available;
 }
 
 }  // namespace vismat

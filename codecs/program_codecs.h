@@ -1,6 +1,8 @@
 // Compressors that exist as programs under the GPL: run, never linked. For comparisons alone: they are no codecs of a .vmat
 // file that goes anywhere, since a reader would have to have them, and were not written for a stranger's bytes.
 #pragma once
+#include <vector>
+
 #include "codecs/codec.h"
 
 namespace vismat {
@@ -11,7 +13,7 @@ namespace vismat {
 /// std::runtime_error, naming the Debian package, where the program is missing.
 std::span<const Codec> program_codecs();
 
-/// Whether a codec of program_codecs() finds what it runs.
-bool program_available(const Codec& codec);
+/// Those of program_codecs() that find what they run.
+std::vector<Codec> available_program_codecs();
 
 }  // namespace vismat

@@ -1,22 +1,32 @@
-// Codecs that give any row alone. A payload is a model (what all rows share; often nothing) and behind it each row's
-// bytes; the index tells where these begin.
+// Codecs that give any row alone. A payload is a model (what all rows share; often nothing) and behind it the parts, one for
+// each row or for each group of rows; the index tells where these begin (part_index.h).
 //
-// Such a codec is one type, Rows, and a line in a table: row_codec<Rows>("name", "contents"). It has
+// Such a codec is one type, Rows, and a line in a table: row_codec<Rows>("name", "contents"). Of what follows it has one form of each:
 //
 //   static Rows fit(const VisibilityMatrix&)                         the model for a matrix
+//   static Rows fit(const VisibilityMatrix&, const Side&, const EncodeOptions&)
 //   void write_model(std::vector<std::byte>&) const
 //   static Rows read_model(ByteReader&, Shape)                       FormatError on bytes that write_model cannot have made
+//   static Rows read_model(ByteReader&, Shape, const Side&)
+//
+//   encoding, a row a part
 //   void encode(std::span<const std::uint32_t> ids, std::vector<std::byte>& out)        appends one row
-//   template <typename Sink> void decode(std::span<const std::byte>, Sink&) const       see row_sink.h; thread-safe
 //   static constexpr bool escapes                                    a row that would take as much as its bitmap is the
 //                                                                    bitmap: no row takes more
-// or, where several rows share their bytes,
+//   encoding, rows_per_part rows a part
 //   static constexpr std::uint32_t rows_per_part
 //   void encode_part(const VisibilityMatrix&, std::uint32_t first, std::uint32_t end, std::vector<std::byte>& out)
-//   template <typename Sink> void decode(std::span<const std::byte>, std::uint32_t row_in_part, Sink&) const
+//   void write_shared(Encoded&) const                                besides, where it has them: shared sections and bands
+//
+//   decoding, from its part alone; thread-safe; Sink: row_sink.h
+//   template <typename Sink> void decode(std::span<const std::byte>, Sink&) const
+//   template <typename Sink> void decode(std::span<const std::byte>, std::uint32_t row_in_part, RowScratch&, Sink&) const
+//   decoding a row that depends on others: any parts, and shared sections
+//   template <typename Sink> void decode_row(std::uint32_t row, const Parts&, RowScratch&, Sink&) const
+//   RowSource::Cost cost(std::uint32_t row, const Parts&) const      and what that takes
 #pragma once
+#include <algorithm>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -24,61 +34,12 @@
 
 #include "codecs/bit_stream.h"
 #include "codecs/codec.h"
-#include "codecs/elias_fano.h"
+#include "codecs/part_index.h"
+#include "codecs/parts.h"
 #include "codecs/row_sink.h"
+#include "codecs/row_source.h"
 
 namespace vismat {
-
-/// Decodes single rows of one payload; holds its model and nothing else, so any number of threads may use it at a time.
-class RowDecoder {
- public:
-  virtual ~RowDecoder() = default;
-  /// Row `row` out of its part's bytes. Throws FormatError on bytes that no encoder made.
-  virtual void decode(std::uint32_t row, std::span<const std::byte> part, IdSink&) const = 0;
-  virtual void decode(std::uint32_t row, std::span<const std::byte> part, RunSink&) const = 0;
-  virtual void decode(std::uint32_t row, std::span<const std::byte> part, BitSink&) const = 0;
-};
-
-/// Where a payload's parts lie. Borrows the index.
-class RowIndex {
- public:
-  RowIndex() = default;
-  /// An empty index: parts of equal length and no model. FormatError where the sizes do not fit.
-  RowIndex(std::span<const std::byte> index, std::uint32_t rows, std::uint32_t rows_per_part,
-           std::uint64_t payload_bytes);
-  std::uint64_t parts() const { return parts_; }
-  std::uint32_t rows_per_part() const { return rows_per_part_; }
-  struct Place {
-    std::uint64_t begin, end;
-  };
-  /// touch(offset, size): told of the index's bytes before they are read. FormatError unless the place lies in the payload.
-  template <typename Touch>
-  Place part(std::uint64_t part, const Touch& touch) const {
-    if (equal_bytes_) return {part * *equal_bytes_, (part + 1) * *equal_bytes_};
-    const auto [begin, end] = places_.pair(part, touch);
-    if (begin > end || end > payload_bytes_) [[unlikely]]
-      throw FormatError("the row index is damaged");
-    return {begin, end};
-  }
-  template <typename Touch>
-  std::uint64_t model_bytes(const Touch& touch) const {
-    return equal_bytes_ ? 0 : part(0, touch).begin;
-  }
-
- private:
-  std::uint64_t parts_ = 0, payload_bytes_ = 0;
-  std::uint32_t rows_per_part_ = 1;
-  std::optional<std::uint64_t> equal_bytes_;
-  EliasFano places_;
-};
-
-/// The index for parts that begin at `starts`, with the payload's size behind them.
-std::vector<std::byte> row_index_bytes(std::span<const std::uint64_t> starts);
-
-/// All rows of a codec that has open_rows; FormatError at more than `most` ones, before memory is taken for them.
-VisibilityMatrix decode_rows(decltype(Codec::open_rows) open_rows, std::uint32_t rows_per_part,
-                             std::span<const std::byte> payload, std::span<const std::byte> index,
-                             Shape shape, std::uint64_t most = ~std::uint64_t{0});
 
 inline std::size_t row_bytes_of(std::uint32_t columns) {
   return (std::size_t{columns} + 7) / 8;
@@ -107,36 +68,51 @@ void get_bitmap_row(std::span<const std::byte> bytes, Sink& sink) {
 namespace detail {
 
 template <typename Rows>
-class RowDecoderFor final : public RowDecoder {
+constexpr std::uint32_t rows_per_part() {
+  if constexpr (requires { Rows::rows_per_part; })
+    return Rows::rows_per_part;
+  else
+    return 1;
+}
+
+template <typename Rows>
+class RowsOf final : public RowSource {
  public:
-  explicit RowDecoderFor(Rows rows) : rows_(std::move(rows)) {}
-  void decode(std::uint32_t row, std::span<const std::byte> part, IdSink& sink) const override {
-    decode_into(row, part, sink);
-  }
-  void decode(std::uint32_t row, std::span<const std::byte> part, RunSink& sink) const override {
-    decode_into(row, part, sink);
-  }
-  void decode(std::uint32_t row, std::span<const std::byte> part, BitSink& sink) const override {
-    decode_into(row, part, sink);
+  RowsOf(Rows rows, Parts parts) : rows_(std::move(rows)), parts_(std::move(parts)) {}
+  void read(std::uint32_t row, RowScratch& scratch, IdSink& sink) const override { decode(row, scratch, sink); }
+  void read(std::uint32_t row, RowScratch& scratch, RunSink& sink) const override { decode(row, scratch, sink); }
+  void read(std::uint32_t row, RowScratch& scratch, BitSink& sink) const override { decode(row, scratch, sink); }
+  Cost cost(std::uint32_t row) const override {
+    if constexpr (requires { rows_.cost(row, parts_); })
+      return rows_.cost(row, parts_);
+    else
+      return {parts_.part_bytes(row / rows_per_part<Rows>()), 1};
   }
 
  private:
   template <typename Sink>
-  void decode_into([[maybe_unused]] std::uint32_t row, std::span<const std::byte> part, Sink& sink) const {
-    if constexpr (requires { Rows::rows_per_part; }) {
-      rows_.decode(part, row % Rows::rows_per_part, sink);
+  void decode(std::uint32_t row, [[maybe_unused]] RowScratch& scratch, Sink& sink) const {
+    if constexpr (requires { rows_.decode_row(row, parts_, scratch, sink); }) {
+      rows_.decode_row(row, parts_, scratch, sink);
     } else {
-      if constexpr (Rows::escapes) {
-        const std::size_t bitmap = row_bytes_of(sink.columns());
-        if (part.size() == bitmap) return get_bitmap_row(part, sink);
-        if (part.size() > bitmap) [[unlikely]]
-          throw FormatError("a row of " + std::to_string(part.size()) + " bytes; its bitmap has " +
-                            std::to_string(bitmap));
+      const std::span<const std::byte> part = parts_.part(row / rows_per_part<Rows>());
+      if constexpr (requires { Rows::escapes; }) {
+        if constexpr (Rows::escapes) {
+          const std::size_t bitmap = row_bytes_of(sink.columns());
+          if (part.size() == bitmap) return get_bitmap_row(part, sink);
+          if (part.size() > bitmap) [[unlikely]]
+            throw FormatError("a row of " + std::to_string(part.size()) + " bytes; its bitmap has " +
+                              std::to_string(bitmap));
+        }
       }
-      rows_.decode(part, sink);
+      if constexpr (requires { rows_.decode(part, row, scratch, sink); })
+        rows_.decode(part, row % rows_per_part<Rows>(), scratch, sink);
+      else
+        rows_.decode(part, sink);
     }
   }
   Rows rows_;
+  Parts parts_;
 };
 
 template <typename Rows>
@@ -145,16 +121,15 @@ Encoded encode_rows_with(Rows rows, const VisibilityMatrix& matrix) {
   rows.write_model(out.payload);
   const auto [count, columns] = matrix.shape();
   std::vector<std::uint64_t> starts;
-  if constexpr (requires { Rows::rows_per_part; }) {
-    for (std::uint64_t first = 0; first < count; first += Rows::rows_per_part) {
+  if constexpr (requires { &Rows::encode_part; }) {
+    constexpr std::uint32_t step = rows_per_part<Rows>();
+    for (std::uint64_t first = 0; first < count; first += step) {
       starts.push_back(out.payload.size());
-      rows.encode_part(
-          matrix, static_cast<std::uint32_t>(first),
-          static_cast<std::uint32_t>(std::min<std::uint64_t>(count, first + Rows::rows_per_part)),
-          out.payload);
+      rows.encode_part(matrix, static_cast<std::uint32_t>(first),
+                       static_cast<std::uint32_t>(std::min<std::uint64_t>(count, first + step)), out.payload);
     }
   } else {
-    starts.reserve(std::size_t{count} + 1);
+    starts.reserve(count);
     for (std::uint32_t r = 0; r < count; ++r) {
       const std::size_t begin = out.payload.size();
       starts.push_back(begin);
@@ -166,48 +141,51 @@ Encoded encode_rows_with(Rows rows, const VisibilityMatrix& matrix) {
       }
     }
   }
-  starts.push_back(out.payload.size());
-  out.index = row_index_bytes(starts);
+  if constexpr (requires { rows.write_shared(out); }) rows.write_shared(out);
+  out.index = part_index_bytes(starts, out.payload.size());
   return out;
 }
 
 template <typename Rows>
-Encoded encode_rows(const VisibilityMatrix& matrix, const ObjectTree*) {
-  return encode_rows_with(Rows::fit(matrix), matrix);
-}
-
-template <typename Rows>
-std::unique_ptr<const RowDecoder> open_rows(std::span<const std::byte> model, Shape shape) {
-  ByteReader in(model, "model");
-  Rows rows = Rows::read_model(in, shape);
-  if (in.left() != 0) in.fail(std::to_string(in.left()) + " bytes after the model");
-  return std::make_unique<RowDecoderFor<Rows>>(std::move(rows));
-}
-
-template <typename Rows>
-constexpr std::uint32_t rows_per_part() {
-  if constexpr (requires { Rows::rows_per_part; })
-    return Rows::rows_per_part;
+Encoded encode_rows(const VisibilityMatrix& matrix, [[maybe_unused]] const Side& side,
+                    [[maybe_unused]] const EncodeOptions& options) {
+  if constexpr (requires { Rows::fit(matrix, side, options); })
+    return encode_rows_with(Rows::fit(matrix, side, options), matrix);
   else
-    return 1;
+    return encode_rows_with(Rows::fit(matrix), matrix);
 }
 
 template <typename Rows>
-VisibilityMatrix decode_all_rows(std::span<const std::byte> payload, std::span<const std::byte> index,
-                                 Shape shape, const ObjectTree*) {
-  return decode_rows(open_rows<Rows>, rows_per_part<Rows>(), payload, index, shape);
+std::unique_ptr<const RowSource> open_rows(Parts parts, Shape shape, [[maybe_unused]] const Side& side) {
+  parts.expect((std::uint64_t{shape.rows} + rows_per_part<Rows>() - 1) / rows_per_part<Rows>());
+  ByteReader in(parts.model(), "model");
+  const auto read = [&] {
+    if constexpr (requires { Rows::read_model(in, shape, side); })
+      return Rows::read_model(in, shape, side);
+    else
+      return Rows::read_model(in, shape);
+  };
+  Rows rows = read();
+  if (in.left() != 0) in.fail(std::to_string(in.left()) + " bytes after the model");
+  return std::make_unique<RowsOf<Rows>>(std::move(rows), std::move(parts));
+}
+
+template <typename Rows>
+VisibilityMatrix decode_rows(const Parts& parts, Shape shape, const Side& side, std::uint64_t most) {
+  return read_all_rows(*open_rows<Rows>(parts, shape, side), parts, shape, most);
 }
 
 }  // namespace detail
 
 template <typename Rows>
-constexpr Codec row_codec(std::string_view name, std::string_view contents) {
+constexpr Codec row_codec(std::string_view name, std::string_view contents, Origin origin) {
   Codec codec{};
   codec.name = name;
   codec.contents = contents;
+  codec.origin = origin;
   codec.encode = detail::encode_rows<Rows>;
-  codec.decode = detail::decode_all_rows<Rows>;
-  codec.open_rows = detail::open_rows<Rows>;
+  codec.decode = detail::decode_rows<Rows>;
+  codec.open = detail::open_rows<Rows>;
   codec.rows_per_part = detail::rows_per_part<Rows>();
   return codec;
 }

@@ -6,15 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
-#include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "codecs/container.h"
-#include "codecs/row_codec.h"
+#include "codecs/parts.h"
 #include "codecs/sections.h"
 
 namespace vismat {
@@ -53,12 +52,10 @@ class Mapping {
   std::span<const std::byte> bytes_;
 };
 
-const Codec& codec_named(const std::string& name, std::span<const Codec> codecs) {
-  const auto found =
-      std::find_if(codecs.begin(), codecs.end(), [&](const Codec& c) { return c.name == name; });
-  if (found == codecs.end()) throw FormatError("codec '" + name + "' is unknown here");
-  if (found->open_rows == nullptr)
-    throw FormatError("codec '" + name + "' gives no single rows; decode the file");
+Codec codec_of(const std::string& name, std::span<const Codec> codecs) {
+  const Codec* const found = codec_named(name, codecs);
+  if (found == nullptr) throw FormatError("codec '" + name + "' is unknown here");
+  if (found->open == nullptr) throw FormatError("codec '" + name + "' gives no single rows; decode the file");
   return *found;
 }
 
@@ -68,57 +65,39 @@ struct RowReader::Open {
   Mapping mapping;
   std::string name;  // of the file, for messages; empty for bytes
   ContainerHead head;
-  const Codec& codec;
-  std::unique_ptr<std::atomic<std::uint64_t>[]> checked;  // a bit for each block: its checksum was right
-  RowIndex index;
-  std::unique_ptr<const RowDecoder> decoder;
+  CheckedBytes body;
+  Codec codec;
+  std::optional<ObjectTree> tree;  // that the codec needs
+  std::unique_ptr<const RowSource> rows;
 
-  Open(const std::filesystem::path& path, std::span<const Codec> codecs)
-      : mapping(path), name(path), head(mapping.bytes()), codec(codec_named(head.codec, codecs)) {
-    begin();
+  Open(const std::filesystem::path& path, std::span<const Codec> codecs, const Side& boxes)
+      : mapping(path), name(path), head(mapping.bytes()), body(head.body(), head.sums()), codec(codec_of(head.codec, codecs)) {
+    open(boxes);
   }
-  Open(std::span<const std::byte> bytes, std::span<const Codec> codecs)
-      : head(bytes), codec(codec_named(head.codec, codecs)) {
-    begin();
+  Open(std::span<const std::byte> bytes, std::span<const Codec> codecs, const Side& boxes)
+      : head(bytes), body(head.body(), head.sums()), codec(codec_of(head.codec, codecs)) {
+    open(boxes);
   }
-  // The same bytes, checked. Bits are set after the check, and blocks never change: a thread that does not see a bit yet
-  // checks again, no more.
-  std::span<const std::byte> check(std::span<const std::byte> bytes) const {
-    if (bytes.empty()) return bytes;
-    const auto begin = static_cast<std::uint64_t>(bytes.data() - head.body().data());
-    for (std::uint64_t b = begin / ContainerHead::block_bytes;
-         b <= (begin + bytes.size() - 1) / ContainerHead::block_bytes; ++b) {
-      const std::uint64_t bit = std::uint64_t{1} << (b % 64);
-      if (checked[b / 64].load(std::memory_order_relaxed) & bit) [[likely]]
-        continue;
-      head.check_block(b);
-      checked[b / 64].fetch_or(bit, std::memory_order_relaxed);
+  void open(const Side& boxes) {
+    if (codec.needs.tree != TreeOver::nothing) {
+      const auto which = codec.needs.tree == TreeOver::rows ? vmat::Section::row_tree : vmat::Section::tree;
+      if (const auto bytes = body.checked(head.section(which)); !bytes.empty()) tree = tree_from_bytes(bytes).first;
     }
-    return bytes;
-  }
-  auto in_index() const {
-    return [this](std::uint64_t offset, std::uint64_t size) {
-      check(head.section(ContainerHead::index).subspan(offset, size));
-    };
-  }
-  void begin() {
-    checked = std::make_unique<std::atomic<std::uint64_t>[]>((head.blocks() + 63) / 64);
-    const auto payload = head.section(ContainerHead::payload);
-    index =
-        RowIndex(head.section(ContainerHead::index), head.shape.rows, codec.rows_per_part, payload.size());
-    const std::uint64_t model = index.parts() == 0 ? payload.size() : index.model_bytes(in_index());
-    decoder = codec.open_rows(check(payload.first(model)), head.shape);
+    check_boxes(read_box_sums(head, body), boxes);
+    const Side side{tree ? &*tree : nullptr, boxes.row_boxes, boxes.column_boxes};
+    Parts parts(head.section(vmat::Section::payload), head.section(vmat::Section::index), shared_sections(head),
+                read_bands(head, body), body);
+    rows = codec.open(std::move(parts), head.shape, side);
   }
 
-  std::span<const std::byte> part(std::uint32_t row) const {
+  void check(std::uint32_t row) const {
     if (row >= head.shape.rows) [[unlikely]]
       throw std::out_of_range("row " + std::to_string(row) + " of " + std::to_string(head.shape.rows));
-    const auto place = index.part(row / codec.rows_per_part, in_index());
-    return check(head.section(ContainerHead::payload).subspan(place.begin, place.end - place.begin));
   }
   template <typename Sink>
-  void decode(std::uint32_t row, Sink sink) const {
-    naming([&] { decoder->decode(row, part(row), sink); }, &row);
+  void decode(std::uint32_t row, RowScratch& scratch, Sink sink) const {
+    check(row);
+    naming([&] { rows->read(row, scratch, sink); }, &row);
     sink.finish();
   }
   template <typename Work>
@@ -132,15 +111,15 @@ struct RowReader::Open {
   }
 };
 
-RowReader::RowReader(const std::filesystem::path& file, std::span<const Codec> codecs) {
+RowReader::RowReader(const std::filesystem::path& file, std::span<const Codec> codecs, const Side& boxes) {
   try {
-    open_ = std::make_unique<Open>(file, codecs);
+    open_ = std::make_unique<Open>(file, codecs, boxes);
   } catch (const FormatError& error) {
     throw FormatError(file.string() + ": " + error.what());
   }
 }
-RowReader::RowReader(std::span<const std::byte> bytes, std::span<const Codec> codecs)
-    : open_(std::make_unique<Open>(bytes, codecs)) {}
+RowReader::RowReader(std::span<const std::byte> bytes, std::span<const Codec> codecs, const Side& boxes)
+    : open_(std::make_unique<Open>(bytes, codecs, boxes)) {}
 RowReader::~RowReader() = default;
 RowReader::RowReader(RowReader&&) noexcept = default;
 RowReader& RowReader::operator=(RowReader&&) noexcept = default;
@@ -155,56 +134,31 @@ std::string_view RowReader::codec() const {
   return open_->codec.name;
 }
 std::string RowReader::facts() const {
-  return open_->naming([&] {
-    const auto bytes = open_->check(open_->head.section(ContainerHead::facts));
-    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  });
+  return open_->naming([&] { return read_facts(open_->head, open_->body); });
 }
 
 std::span<const std::uint32_t> RowReader::ids(std::uint32_t row, RowBuffer<std::uint32_t>& buffer) const {
-  open_->decode(row, IdSink(buffer, shape().columns, ones()));
+  open_->decode(row, buffer, IdSink(buffer, shape().columns, ones()));
   return buffer.content();
 }
 std::span<const Run> RowReader::runs(std::uint32_t row, RowBuffer<Run>& buffer) const {
-  open_->decode(row, RunSink(buffer, shape().columns, ones()));
+  open_->decode(row, buffer, RunSink(buffer, shape().columns, ones()));
   return buffer.content();
 }
-void RowReader::bits(std::uint32_t row, std::span<std::uint64_t> words) const {
+void RowReader::bits(std::uint32_t row, std::span<std::uint64_t> words, RowScratch& scratch) const {
   const std::size_t need = (std::size_t{shape().columns} + 63) / 64;
   if (words.size() < need)
     throw std::length_error(std::to_string(words.size()) + " words for a row of " + std::to_string(need));
   std::fill_n(words.begin(), need, 0);
-  open_->decode(row, BitSink(words, shape().columns, ones()));
+  open_->decode(row, scratch, BitSink(words, shape().columns, ones()));
 }
-std::uint64_t RowReader::row_bytes(std::uint32_t row) const {
-  return open_->naming([&] { return open_->part(row).size(); });
-}
-
-std::optional<Permutation> RowReader::row_order() const {
-  return open_->naming([&] {
-    return order_from_bytes(open_->check(open_->head.section(ContainerHead::row_order)), shape().rows);
-  });
-}
-std::optional<Permutation> RowReader::column_order() const {
-  return open_->naming([&] {
-    return order_from_bytes(open_->check(open_->head.section(ContainerHead::column_order)), shape().columns);
-  });
-}
-std::optional<Partition> RowReader::row_groups() const {
-  return open_->naming([&] {
-    return groups_from_bytes(open_->check(open_->head.section(ContainerHead::row_groups)), shape().rows);
-  });
-}
-std::optional<Partition> RowReader::column_groups() const {
-  return open_->naming([&] {
-    return groups_from_bytes(open_->check(open_->head.section(ContainerHead::column_groups)), shape().columns);
-  });
+RowSource::Cost RowReader::cost(std::uint32_t row) const {
+  open_->check(row);
+  return open_->naming([&] { return open_->rows->cost(row); });
 }
 
-std::vector<Boundary> RowReader::boundaries() const {
-  return open_->naming([&] {
-    return boundaries_from_bytes(open_->check(open_->head.section(ContainerHead::boundaries)), shape().rows);
-  });
+SourceMap RowReader::source() const {
+  return open_->naming([&] { return read_source_map(open_->head, open_->body); });
 }
 
 }  // namespace vismat

@@ -18,9 +18,40 @@ struct Run {
   bool operator==(const Run&) const = default;
 };
 
+/// Memory that a decoder needs beside the row itself and that a caller keeps from row to row, one for each thread. Any reader may
+/// use any scratch; what one of them left there, another makes anew.
+class RowScratch {
+ public:
+  RowScratch() = default;
+  RowScratch(RowScratch&&) noexcept = default;
+  RowScratch& operator=(RowScratch&&) noexcept = default;
+  /// The T that is kept here, made anew where the last one asked for was of another type.
+  template <typename T>
+  T& as() {
+    if (type_ != &type_of<T>) [[unlikely]] {
+      held_ = std::make_unique<Held<T>>();
+      type_ = &type_of<T>;
+    }
+    return static_cast<Held<T>&>(*held_).value;
+  }
+
+ private:
+  struct Any {
+    virtual ~Any() = default;
+  };
+  template <typename T>
+  struct Held final : Any {
+    T value{};
+  };
+  template <typename T>
+  static inline char type_of = 0;  // its address alone tells the type
+  std::unique_ptr<Any> held_;
+  const void* type_ = nullptr;
+};
+
 /// Memory that a caller keeps from row to row, one for each thread: it grows to the longest row and then stays.
 template <typename T>
-class RowBuffer {
+class RowBuffer : public RowScratch {
  public:
   std::span<const T> content() const { return {data_.get(), size_}; }
 

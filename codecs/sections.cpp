@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "codecs/bit_stream.h"
@@ -19,11 +20,6 @@ std::uint32_t small_varint(ByteReader& in, const char* what) {
   const std::uint64_t value = in.varint();
   if (value > 0xffffffff) in.fail(std::string(what) + " " + std::to_string(value) + " does not fit 32 bits");
   return static_cast<std::uint32_t>(value);
-}
-
-// As many bits a place as the largest one needs.
-unsigned place_bits(std::uint32_t size) {
-  return size < 2 ? 0 : static_cast<unsigned>(std::bit_width(size - 1));
 }
 
 // Of each member how many members back the last one of its group stands, plus 1; 1 for the first of a group.
@@ -52,79 +48,17 @@ std::vector<std::uint32_t> by_first_member(const Partition& groups) {
 
 }  // namespace
 
-// Parents as the step back from each node, objects as 0 for none or 1 + object: small numbers, one byte
-// mostly.
-std::vector<std::byte> tree_bytes(const std::optional<ObjectTree>& tree) {
-  std::vector<std::byte> out;
-  if (!tree) return out;
-  put_varint(out, tree->object_count());
-  put_varint(out, tree->size());
-  for (std::uint32_t n = 1; n < tree->size(); ++n) put_varint(out, n - tree->parent_of_node()[n]);
-  for (const std::uint32_t object : tree->object_of_node())
-    put_varint(out, object == ObjectTree::none ? 0 : std::uint64_t{object} + 1);
-  return out;
-}
-
-std::optional<ObjectTree> tree_from_bytes(std::span<const std::byte> bytes) {
-  if (bytes.empty()) return std::nullopt;
-  ByteReader in(bytes, "tree section");
-  const std::uint32_t objects = small_varint(in, "object count");
-  const std::uint64_t size = in.varint();
-  if (size > in.left()) in.fail(std::to_string(size) + " nodes in " + std::to_string(in.left()) + " bytes");
-  std::vector<std::uint32_t> parents, objects_of_node;
-  for (std::uint32_t n = 0; n < size; ++n) {
-    const std::uint32_t back = n == 0 ? 0 : small_varint(in, "step to a parent");
-    if (n > 0 && (back == 0 || back > n))
-      in.fail("node " + std::to_string(n) + " has its parent " + std::to_string(back) + " back");
-    parents.push_back(n == 0 ? ObjectTree::none : n - back);
-  }
-  for (std::uint32_t n = 0; n < size; ++n)
-    objects_of_node.push_back(small_varint(in, "object") - 1);  // 0 becomes none
-  if (in.left() != 0) in.fail("bytes after the last node");
-  try {
-    return ObjectTree::from_parents(std::move(parents), std::move(objects_of_node), objects);
-  } catch (const std::invalid_argument& error) {
-    throw FormatError(std::string("tree section: ") + error.what());
-  }
-}
-
-std::vector<std::byte> order_bytes(const std::optional<Permutation>& order) {
-  std::vector<std::byte> out;
-  if (!order) return out;
-  BitWriter bits(out);
-  for (const std::uint32_t place : order->new_of_old()) bits.put(place, place_bits(order->size()));
-  bits.flush();
-  return out;
-}
-
-std::optional<Permutation> order_from_bytes(std::span<const std::byte> bytes, std::uint32_t size) {
-  if (bytes.empty()) return std::nullopt;
-  const std::uint64_t need = (std::uint64_t{size} * place_bits(size) + 7) / 8;
-  if (bytes.size() != need) {
-    throw FormatError("an order of " + std::to_string(bytes.size()) + " bytes; " + std::to_string(size) +
-                      " places take " + std::to_string(need));
-  }
-  BitReader bits(bytes);
-  std::vector<std::uint32_t> map(size);
-  for (std::uint32_t& place : map) place = bits.get(place_bits(size));
-  bits.finish();
-  try {
-    return Permutation::from_new_of_old(std::move(map));
-  } catch (const std::invalid_argument& error) {
-    throw FormatError(std::string("order section: ") + error.what());
-  }
-}
-
-std::vector<std::byte> group_bytes(const std::optional<Partition>& groups) {
-  std::vector<std::byte> out;
-  if (!groups) return out;
-  const auto steps = steps_back(*groups), order = by_first_member(*groups);
+std::vector<std::byte> group_bytes(const Partition& groups) {
+  const auto steps = steps_back(groups), order = by_first_member(groups);
   const bool sorted = std::is_sorted(order.begin(), order.end());
   std::array<std::uint64_t, LengthSymbol::count> frequencies = {};
   for (const std::uint32_t step : steps) ++frequencies[symbol_of_length(step).symbol];
   const HuffmanCode code = HuffmanCode::from_frequencies(frequencies);
-  put_varint(out, groups->size());
-  out.push_back(static_cast<std::byte>(!sorted));
+  std::vector<std::byte> out;
+  put_varint(out, groups.size());
+  const auto order_code = sorted ? std::vector<std::byte>{} : order_bytes(Permutation::from_old_of_new(order));
+  put_varint(out, order_code.size());
+  out.insert(out.end(), order_code.begin(), order_code.end());
   code.write(out);
   BitWriter bits(out);
   for (const std::uint32_t step : steps) {
@@ -132,18 +66,21 @@ std::vector<std::byte> group_bytes(const std::optional<Partition>& groups) {
     code.put(bits, s.symbol);
     bits.put(s.raw, s.raw_count);
   }
-  if (!sorted) {
-    for (const std::uint32_t g : order) bits.put(g, place_bits(groups->groups()));
-  }
   bits.flush();
   return out;
+}
+
+std::size_t group_size(const std::optional<Partition>& groups) {
+  return groups ? group_bytes(*groups).size() : 0;
 }
 
 std::optional<Partition> groups_from_bytes(std::span<const std::byte> bytes, std::uint32_t groups) {
   if (bytes.empty()) return std::nullopt;
   ByteReader in(bytes, "groups section");
   const std::uint32_t members = small_varint(in, "member count");
-  const auto sorted = in.number<std::uint8_t>() == 0;
+  const std::uint64_t order_size = in.varint();
+  if (order_size > in.left()) in.fail("an order of " + std::to_string(order_size) + " bytes in fewer");
+  const auto order = order_from_bytes(in.bytes(order_size), groups);
   const HuffmanCode code = HuffmanCode::read(in, LengthSymbol::count);
   if (members / 8 > in.left())
     in.fail(std::to_string(members) + " members in " + std::to_string(in.left()) + " bytes");
@@ -157,16 +94,13 @@ std::optional<Partition> groups_from_bytes(std::span<const std::byte> bytes, std
     if (step - 1 > map.size()) in.fail("a member's group begins before the first member");
     map.push_back(step == 1 ? met++ : map[map.size() - (step - 1)]);
   }
+  bits.finish();
   if (met != groups)
     in.fail(std::to_string(met) + " groups; there are " + std::to_string(groups) + " rows or columns");
   try {
     auto partition = Partition::from_group_of_member(std::move(map));
-    if (!sorted) {
-      std::vector<std::uint32_t> order(groups);
-      for (std::uint32_t& g : order) g = bits.get(place_bits(groups));
-      if (!bits.overran()) partition = renumbered(partition, Permutation::from_new_of_old(std::move(order)));
-    }
-    bits.finish();
+    // The order leads from the present groups to those in the order of their first members.
+    if (order) partition = renumbered(partition, order->inverse());
     if (!std::ranges::equal(group_bytes(partition), bytes)) in.fail("another code than the writer's");
     return partition;
   } catch (const std::invalid_argument& error) {
@@ -224,6 +158,96 @@ std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, st
     in.fail(error.what());
   }
   return boundaries;
+}
+
+// Of each name how many bytes it begins with that the one before has too, how many more it has, and these.
+std::vector<std::byte> name_bytes(std::span<const std::string> names) {
+  std::vector<std::byte> out;
+  std::string_view last;
+  for (const std::string& name : names) {
+    const auto shared = static_cast<std::size_t>(
+        std::mismatch(last.begin(), last.end(), name.begin(), name.end()).first - last.begin());
+    put_varint(out, shared);
+    put_varint(out, name.size() - shared);
+    const auto rest = std::as_bytes(std::span(name)).subspan(shared);
+    out.insert(out.end(), rest.begin(), rest.end());
+    last = name;
+  }
+  return out;
+}
+
+std::vector<std::string> names_from_bytes(std::span<const std::byte> bytes) {
+  ByteReader in(bytes, "names section");
+  std::vector<std::string> names;
+  std::string name;
+  // A short entry may stand for a long name: together they may be this long.
+  std::uint64_t left = (std::uint64_t{1} << 22) + 64 * bytes.size();
+  while (in.left() > 0) {
+    const std::uint64_t shared = in.varint(), more = in.varint();
+    if (shared > name.size()) in.fail("a name begins like a longer one than the last");
+    const auto rest = in.bytes(more);
+    const auto* text = reinterpret_cast<const char*>(rest.data());
+    if (shared < name.size() && more > 0 && name[shared] == text[0]) in.fail("another code than the writer's");
+    name.resize(shared);
+    name.append(text, more);
+    if (name.size() > left) in.fail("names far longer than their bytes");
+    left -= name.size();
+    names.push_back(name);
+  }
+  return names;
+}
+
+// Of each column how far its object stands from the last one's, up or down (twice, less 1 where down), and the level.
+std::vector<std::byte> level_bytes(std::span<const ObjectLevel> levels) {
+  std::vector<std::byte> out;
+  std::int64_t last = 0;
+  for (const auto [object, level] : levels) {
+    const std::int64_t step = object - std::exchange(last, object);
+    put_varint(out, static_cast<std::uint64_t>(step < 0 ? -2 * step - 1 : 2 * step));
+    put_varint(out, level);
+  }
+  return out;
+}
+
+std::vector<ObjectLevel> levels_from_bytes(std::span<const std::byte> bytes) {
+  ByteReader in(bytes, "levels section");
+  std::vector<ObjectLevel> levels;
+  std::int64_t object = 0;
+  while (in.left() > 0) {
+    const std::uint64_t step = in.varint();
+    if (step >> 34 != 0) in.fail("a step of more than 32 bits");
+    object += step % 2 != 0 ? -static_cast<std::int64_t>(step / 2) - 1 : static_cast<std::int64_t>(step / 2);
+    if (object < 0 || object > 0xffffffff) in.fail("an object of more than 32 bits");
+    levels.push_back({static_cast<std::uint32_t>(object), small_varint(in, "level")});
+  }
+  return levels;
+}
+
+// How many rows each band but the last has; where there is one band, that there is.
+std::vector<std::byte> band_bytes(std::span<const std::uint32_t> bands, std::uint32_t rows) {
+  std::vector<std::byte> out;
+  if (bands.empty()) return out;
+  if (bands[0] != 0 || bands.back() >= rows || std::ranges::adjacent_find(bands, std::ranges::greater_equal()) != bands.end())
+    throw std::invalid_argument("bands must begin at row 0, ascend, and begin before the last row");
+  put_varint(out, bands.size());
+  for (std::size_t i = 1; i < bands.size(); ++i) put_varint(out, bands[i] - bands[i - 1]);
+  return out;
+}
+
+std::vector<std::uint32_t> bands_from_bytes(std::span<const std::byte> bytes, std::uint32_t rows) {
+  std::vector<std::uint32_t> bands;
+  if (bytes.empty()) return bands;
+  ByteReader in(bytes, "bands section");
+  const std::uint64_t count = in.varint();
+  if (count == 0 || count > bytes.size() || rows == 0) in.fail("no bands, or more than bytes");
+  bands.push_back(0);
+  while (bands.size() < count) {
+    const std::uint64_t step = in.varint();
+    if (step == 0 || step >= rows - bands.back()) in.fail("a band that begins behind the last row");
+    bands.push_back(bands.back() + static_cast<std::uint32_t>(step));
+  }
+  if (in.left() != 0) in.fail("bytes after the last band");
+  return bands;
 }
 
 }  // namespace vismat

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "codecs/bit_stream.h"
+#include "codecs/pairs.h"
 
 namespace vismat {
 namespace {
@@ -47,41 +48,41 @@ class Marker {
   std::span<const std::uint32_t> whole_;
 };
 
-template <typename Number>
-std::vector<Number> marked(std::span<const Number> whole, std::span<const std::uint8_t> bits) {
-  std::vector<Number> part(whole.size());
+// `part` becomes those of the whole whose bit is 1.
+void take_marked(std::span<const std::uint32_t> whole, std::span<const std::uint8_t> bits, std::vector<std::uint32_t>& part) {
+  part.resize(whole.size());
   std::size_t count = 0;
   for (std::size_t p = 0; p < whole.size(); ++p) {
     part[count] = whole[p];
     count += bits[p];
   }
   part.resize(count);
-  return part;
 }
 
-// 2^31 bits of one node are 2 GB here; a hostile tree and shape could ask for 2^64.
-std::size_t checked_size(std::size_t children, std::size_t members) {
-  if (members != 0 && children > (std::size_t{1} << 31) / members) {
-    throw FormatError(std::to_string(children) + " children over a set of " + std::to_string(members) +
-                      " are too many for one node; at most 2^31 pairs");
-  }
-  return children * members;
+// A bit of one node takes a byte of memory. What a tree and a shape claim may be 2^64; a part's bytes back so many, and
+// 2^26 go without. An encoder makes none that is refused.
+std::string too_many_bits(std::size_t children, std::size_t members, std::size_t part_bytes) {
+  const std::size_t most = std::min<std::size_t>(
+      std::size_t{1} << 31, (std::size_t{1} << 26) + std::min<std::size_t>(part_bytes, 1 << 20) * 4096);
+  if (members == 0 || children <= most / members) return {};
+  return std::to_string(children) + " children over a set of " + std::to_string(members) +
+         " are too many for one node; a part of " + std::to_string(part_bytes) + " bytes may have " + std::to_string(most) +
+         " pairs at most";
 }
 
-std::vector<std::uint32_t> everything(std::uint32_t universe) {
-  std::vector<std::uint32_t> all(universe);
+void everything(std::uint32_t universe, std::vector<std::uint32_t>& all) {
+  all.resize(universe);
   std::iota(all.begin(), all.end(), 0u);
-  return all;
 }
 
 // Gives a child's set its history, from its parent's and from the bits of both children.
 void inherit(const NodeSet& parent, std::span<const std::uint8_t> own, std::span<const std::uint8_t> sibling,
-             NodeSet& child) {
+             NodeSet& child, std::vector<std::uint32_t>& kind_of) {
   const std::size_t count = child.members.size();
   child.history.resize(count);
   child.kind.resize(count);
   constexpr std::uint32_t unseen = 0xffffffff;
-  std::vector<std::uint32_t> kind_of(2 * parent.kind.size(), unseen);
+  kind_of.assign(2 * parent.kind.size(), unseen);
   std::uint32_t kinds = 0;
   for (std::size_t p = 0, at = 0; p < own.size(); ++p) {
     if (own[p] == 0) continue;
@@ -189,12 +190,14 @@ void for_each_node(const SetsOfNodes& sets, const ObjectTree& tree, bool history
     bits.set = &set;
     bits.children = static_cast<std::uint32_t>(children);
     bits.members = static_cast<std::uint32_t>(set.members.size());
-    bits.bits.resize(checked_size(bits.children, bits.members));
+    if (const std::string wrong = too_many_bits(children, set.members.size(), ~std::size_t{0}); !wrong.empty())
+      throw std::invalid_argument(wrong);
+    bits.bits.resize(children * set.members.size());
     marker.begin(set.members);
   };
   if (tree.size() > 0 && sets[0].size() < bits.universe) {
     NodeSet all;
-    all.members = everything(bits.universe);
+    everything(bits.universe, all.members);
     begin(all, 1);
     marker.mark(sets[0], bits.bits.data());
     bits.of_root = true;
@@ -209,6 +212,7 @@ void for_each_node(const SetsOfNodes& sets, const ObjectTree& tree, bool history
     begin_history(reached[0]);
   }
   NodeSet set;
+  std::vector<std::uint32_t> kind_of;
   for (std::uint32_t n = 0; n < tree.size(); ++n) {
     const auto children = tree.children(n);
     if (history) set = std::exchange(reached[n], {});
@@ -224,7 +228,7 @@ void for_each_node(const SetsOfNodes& sets, const ObjectTree& tree, bool history
       if (tree.children(children[i]).empty()) continue;
       NodeSet& child = reached[children[i]];
       child.members.resize(sets[children[i]].size());
-      inherit(set, bits.child(i), bits.child(1 - i), child);
+      inherit(set, bits.child(i), bits.child(1 - i), child, kind_of);
     }
   }
 }
@@ -262,6 +266,11 @@ std::string misfit(TreeOver side, const ObjectTree& tree, Shape shape) {
   return {};
 }
 
+// Rows or columns that the sets are of take memory though no byte stands for each.
+bool backed(std::uint32_t universe, const ObjectTree& tree, std::uint64_t payload_bytes) {
+  return universe <= (std::uint64_t{1} << 22) + 64 * (payload_bytes + tree.size());
+}
+
 void check_fit(TreeOver side, const VisibilityMatrix& matrix, const ObjectTree* tree) {
   if (tree == nullptr) {
     throw std::invalid_argument(
@@ -275,141 +284,201 @@ void check_fit(TreeOver side, const VisibilityMatrix& matrix, const ObjectTree* 
 
 }  // namespace
 
-std::unique_ptr<NodeCoder> make_node_coder(std::string_view codec) {
-  auto coder = make_zach_coder(codec);
-  return coder ? std::move(coder) : make_gotsman_coder(codec);
-}
-
-Encoded encode_over_tree(NodeCoder& coder, const VisibilityMatrix& matrix, const ObjectTree* tree) {
-  check_fit(coder.side(), matrix, tree);
-  const SetsOfNodes sets(coder.side(), matrix, *tree);
+Encoded encode_over_tree(NodeCoder& coder, TreeOver over, const VisibilityMatrix& matrix, const Side& side,
+                         const EncodeOptions& options) {
+  check_fit(over, matrix, side.tree);
+  const ObjectTree& tree = *side.tree;
+  const SetsOfNodes sets(over, matrix, tree);
+  const std::uint64_t passes = coder.learns() ? 2 : 1, total = passes * tree.size();
+  const auto tell = [&](std::uint64_t pass, const ChildBits& node) {
+    if (options.progress && node.set->node % 64 == 0) options.progress(pass * tree.size() + node.set->node, total);
+  };
   if (coder.learns()) {
     std::uint64_t members = 0;
-    for (std::uint32_t n = 0; n < tree->size(); ++n)
-      members += tree->children(n).empty() ? 0 : sets[n].size();
-    coder.expect(members);
-    for_each_node(sets, *tree, coder.wants_history(), [&](const ChildBits& node) { coder.see(node); });
+    for (std::uint32_t n = 0; n < tree.size(); ++n) members += tree.children(n).empty() ? 0 : sets[n].size();
+    coder.expect(members, options);
+    for_each_node(sets, tree, coder.wants_history(), [&](const ChildBits& node) {
+      coder.see(node);
+      tell(0, node);
+    });
   }
   Encoded out;
-  const bool root_everything = tree->size() == 0 || sets[0].size() == sets.universe();
+  const bool root_everything = tree.size() == 0 || sets[0].size() == sets.universe();
   out.payload.push_back(static_cast<std::byte>(root_everything));
   coder.write_model(out.payload);
-  for_each_node(sets, *tree, coder.wants_history(), [&](const ChildBits& node) {
-    const std::size_t before = out.payload.size();
+  std::vector<std::uint64_t> starts;
+  for_each_node(sets, tree, coder.wants_history(), [&](const ChildBits& node) {
+    starts.push_back(out.payload.size());
     coder.encode(node, out.payload);
-    put_varint(out.index, out.payload.size() - before);
+    if (const std::string wrong = too_many_bits(node.children, node.members, out.payload.size() - starts.back()); !wrong.empty())
+      throw std::invalid_argument(wrong);
+    tell(passes - 1, node);
   });
+  if (!backed(sets.universe(), tree, out.payload.size())) {
+    throw std::invalid_argument(std::to_string(sets.universe()) + " rows or columns in " + std::to_string(out.payload.size()) +
+                                " bytes over a tree of " + std::to_string(tree.size()) + " nodes; readers refuse so many in so few");
+  }
+  out.index = part_index_bytes(starts, out.payload.size());
+  if (options.progress) options.progress(total, total);
   return out;
 }
 
 LengthStatistics length_statistics(const Codec& codec, const VisibilityMatrix& matrix,
                                    const ObjectTree* tree) {
-  const auto coder = make_node_coder(codec.name);
-  if (!coder) return {};
-  check_fit(coder->side(), matrix, tree);
-  for_each_node(SetsOfNodes(coder->side(), matrix, *tree), *tree, coder->wants_history(),
+  if (codec.node_coder == nullptr) return {};
+  const auto coder = codec.node_coder();
+  check_fit(codec.needs.tree, matrix, tree);
+  for_each_node(SetsOfNodes(codec.needs.tree, matrix, *tree), *tree, coder->wants_history(),
                 [&](const ChildBits& node) { coder->see(node); });
   return coder->statistics();
 }
 
-NodeReader::NodeReader(std::string_view codec, std::span<const std::byte> payload,
-                       std::span<const std::byte> node_index, Shape shape, const ObjectTree& tree)
-    : tree_(&tree), coder_(make_node_coder(codec)), part_of_node_(tree.size()) {
-  if (!coder_)
-    throw std::invalid_argument(std::string(codec) + " is no codec over a tree; it cannot read single nodes");
-  if (const std::string wrong = misfit(side(), tree, shape); !wrong.empty()) throw FormatError(wrong);
-  universe_ = side() == TreeOver::columns ? shape.rows : shape.columns;
+namespace {
+
+std::unique_ptr<NodeCoder> coder_of(const Codec& codec) {
+  if (codec.node_coder == nullptr)
+    throw std::invalid_argument(std::string(codec.name) + " is no codec over a tree; it cannot read single nodes");
+  return codec.node_coder();
+}
+
+}  // namespace
+
+NodeReader::NodeReader(const Codec& codec, Parts parts, Shape shape, const ObjectTree& tree)
+    : NodeReader(coder_of(codec), codec.needs.tree, std::move(parts), shape, tree) {}
+
+NodeReader::NodeReader(std::unique_ptr<NodeCoder> coder, TreeOver over, Parts parts, Shape shape, const ObjectTree& tree)
+    : tree_(&tree), coder_(std::move(coder)), parts_(std::move(parts)), part_of_node_(tree.size(), no_part) {
+  if (const std::string wrong = misfit(over, tree, shape); !wrong.empty()) throw FormatError(wrong);
+  universe_ = over == TreeOver::columns ? shape.rows : shape.columns;
+  if (!backed(universe_, tree, parts_.payload_bytes())) {
+    throw FormatError("claims " + std::to_string(universe_) + (over == TreeOver::columns ? " rows" : " columns") + " for " +
+                      std::to_string(parts_.payload_bytes()) + " bytes over a tree of " + std::to_string(tree.size()) + " nodes");
+  }
   leafs_of_node_ = leafs_of_nodes(tree);
-  if (side() == TreeOver::rows) {
+  if (over == TreeOver::rows) {
     node_of_row_.resize(shape.rows);
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
       if (tree.children(n).empty()) node_of_row_[tree.object_of_node()[n]] = n;
     }
   }
-  ByteReader in(payload, "payload"), index(node_index, "node index");
+  const auto model = parts_.model();
+  ByteReader in(model, "payload");
   const auto flag = in.number<std::uint8_t>();
   if (flag > 1) in.fail("the root's flag is " + std::to_string(flag) + "; it must be 0 or 1");
   root_everything_ = flag == 1;
   coder_->read_model(in);
-  model_bytes_ = in.offset();
-  if (!root_everything_ && tree.size() > 0) root_part_ = in.bytes(index.varint());
+  if (in.left() != 0) in.fail(std::to_string(in.left()) + " bytes after the model");
+  model_bytes_ = model.size();
+  std::uint32_t part = root_everything_ || tree.size() == 0 ? 0 : 1;  // the root's own comes first
   for (std::uint32_t n = 0; n < tree.size(); ++n) {
-    if (!tree.children(n).empty()) part_of_node_[n] = in.bytes(index.varint());
+    if (!tree.children(n).empty()) part_of_node_[n] = part++;
   }
-  if (in.left() != 0) in.fail(std::to_string(in.left()) + " bytes more than the node index accounts for");
-  if (index.left() != 0)
-    index.fail(std::to_string(index.left()) + " bytes more than the tree has nodes with children");
+  parts_.expect(part);
 }
 
-NodeSet NodeReader::root() const {
-  NodeSet root;
-  root.members = everything(universe_);
+void NodeReader::read_root(NodeSet& root, ChildBits& bits) const {
+  root.node = 0;
+  everything(universe_, root.members);
   if (!root_everything_) {
-    ChildBits bits;
     bits.children = 1;
     bits.members = bits.universe = universe_;
-    bits.bits.resize(universe_);
+    bits.bits.assign(universe_, 0);
     bits.set = &root;
     bits.of_root = true;
-    coder_->decode(root_part_, bits);
-    root.members = marked<std::uint32_t>(root.members, bits.bits);
+    coder_->decode(parts_.part(0), bits);
+    bits.of_root = false;
+    std::size_t count = 0;
+    for (std::uint32_t p = 0; p < universe_; ++p) {
+      root.members[count] = p;
+      count += bits.bits[p];
+    }
+    root.members.resize(count);
   }
   if (coder_->wants_history()) begin_history(root);
-  return root;
 }
 
-std::vector<NodeSet> NodeReader::children(const NodeSet& set) const {
-  const auto nodes = tree_->children(set.node);
+void NodeReader::read_children(const NodeSet& set, ChildBits& bits) const {
   assert(!coder_->wants_history() || set.history.size() == set.members.size());
-  std::vector<NodeSet> out(nodes.size());
-  if (nodes.empty()) return out;
-  ChildBits bits;
-  bits.children = static_cast<std::uint32_t>(nodes.size());
+  bits.children = static_cast<std::uint32_t>(tree_->children(set.node).size());
   bits.members = static_cast<std::uint32_t>(set.members.size());
   bits.set = &set;
   bits.universe = universe_;
   place_in_tree(bits, *tree_, leafs_of_node_, set.node);
   try {
-    bits.bits.resize(checked_size(bits.children, bits.members));
-    coder_->decode(part_of_node_[set.node], bits);
+    const auto part = parts_.part(part_of_node_[set.node]);
+    if (const std::string wrong = too_many_bits(bits.children, bits.members, part.size()); !wrong.empty())
+      throw FormatError(wrong);
+    bits.bits.assign(std::size_t{bits.children} * bits.members, 0);
+    coder_->decode(part, bits);
   } catch (const FormatError& error) {
     throw FormatError("node " + std::to_string(set.node) + ": " + error.what());
   }
-  for (std::uint32_t i = 0; i < bits.children; ++i) {
-    out[i].node = nodes[i];
-    out[i].members = marked<std::uint32_t>(set.members, bits.child(i));
-    if (coder_->wants_history() && !tree_->children(nodes[i]).empty())
-      inherit(set, bits.child(i), bits.child(1 - i), out[i]);
-  }
+}
+
+void NodeReader::take_child(const NodeSet& set, const ChildBits& bits, std::uint32_t child, std::uint32_t node, NodeSet& out,
+                            std::vector<std::uint32_t>& kind_of) const {
+  out.node = node;
+  take_marked(set.members, bits.child(child), out.members);
+  out.history.clear();
+  out.kind.clear();
+  if (coder_->wants_history() && !tree_->children(node).empty())
+    inherit(set, bits.child(child), bits.child(1 - child), out, kind_of);
+}
+
+NodeSet NodeReader::root() const {
+  NodeSet root;
+  ChildBits bits;
+  read_root(root, bits);
+  return root;
+}
+
+std::vector<NodeSet> NodeReader::children(const NodeSet& set) const {
+  const auto nodes = tree_->children(set.node);
+  std::vector<NodeSet> out(nodes.size());
+  if (nodes.empty()) return out;
+  ChildBits bits;
+  std::vector<std::uint32_t> kind_of;
+  read_children(set, bits);
+  for (std::uint32_t i = 0; i < bits.children; ++i) take_child(set, bits, i, nodes[i], out[i], kind_of);
   return out;
 }
 
 NodeSet NodeReader::set(std::uint32_t node) const {
   NodePath path;
   set(node, path);
-  return std::move(path.sets.back());
+  return std::move(path.sets_[path.depth_ - 1]);
 }
 
 const NodeSet& NodeReader::set(std::uint32_t node, NodePath& path) const {
-  std::vector<std::uint32_t> way;  // from the node up to the root
+  auto& [reader, sets, depth, bits, way, kind_of] = path;
+  if (reader != self_) {
+    reader = self_;
+    depth = 0;
+  }
+  way.clear();  // from the node up to the root
   for (std::uint32_t n = node; n != ObjectTree::none; n = tree_->parent_of_node()[n]) way.push_back(n);
   std::reverse(way.begin(), way.end());
-  auto& sets = path.sets;
+  if (sets.size() < way.size()) sets.resize(way.size());
   std::size_t shared = 0;
-  while (shared < std::min(way.size(), sets.size()) && sets[shared].node == way[shared]) ++shared;
-  sets.resize(shared);
-  if (shared == 0) sets.push_back(root());
-  while (sets.size() < way.size()) {
-    const auto siblings = tree_->children(way[sets.size() - 1]);
-    const auto place = std::find(siblings.begin(), siblings.end(), way[sets.size()]) - siblings.begin();
-    auto all = children(sets.back());
-    sets.push_back(std::move(all[static_cast<std::size_t>(place)]));
+  while (shared < std::min(way.size(), depth) && sets[shared].node == way[shared]) ++shared;
+  depth = shared;  // what a damaged part leaves half done does not count
+  if (depth == 0) {
+    read_root(sets[0], bits);
+    depth = 1;
   }
-  return sets.back();
+  for (; depth < way.size(); ++depth) {
+    const NodeSet& parent = sets[depth - 1];
+    const auto siblings = tree_->children(parent.node);
+    const auto place = std::find(siblings.begin(), siblings.end(), way[depth]) - siblings.begin();
+    read_children(parent, bits);
+    take_child(parent, bits, static_cast<std::uint32_t>(place), way[depth], sets[depth], kind_of);
+  }
+  return sets[depth - 1];
 }
 
-NodeReader::Cost NodeReader::cost(std::uint32_t node) const {
-  Cost cost{root_part_.size(), root_everything_ ? 0u : 1u};
+RowSource::Cost NodeReader::cost(std::uint32_t node) const {
+  RowSource::Cost cost;
+  if (!root_everything_) cost = {parts_.part_bytes(0), 1};
   for (std::uint32_t n = node; n != 0; ++cost.parts) {
     n = tree_->parent_of_node()[n];
     cost.bytes += part_bytes(n);
@@ -417,22 +486,60 @@ NodeReader::Cost NodeReader::cost(std::uint32_t node) const {
   return cost;
 }
 
-VisibilityMatrix decode_over_tree(std::string_view codec, std::span<const std::byte> payload,
-                                  std::span<const std::byte> node_index, Shape shape,
-                                  const ObjectTree* tree) {
-  if (tree == nullptr) throw FormatError("the payload of " + std::string(codec) + " needs its tree");
-  const NodeReader reader(codec, payload, node_index, shape, *tree);
-  const bool over_rows = reader.side() == TreeOver::rows;
-  std::vector<NodeSet> reached(tree->size());
-  std::vector<std::vector<std::uint32_t>> out(over_rows ? shape.rows : tree->size());
-  if (tree->size() > 0) reached[0] = reader.root();
-  for (std::uint32_t n = 0; n < tree->size(); ++n) {
+namespace {
+
+const ObjectTree& tree_of(const Side& side) {
+  if (side.tree == nullptr) throw FormatError("this payload needs its tree");
+  return *side.tree;
+}
+
+class RowsOverTree final : public RowSource {
+ public:
+  RowsOverTree(std::unique_ptr<NodeCoder> coder, Parts parts, Shape shape, const ObjectTree& tree)
+      : reader_(std::move(coder), TreeOver::rows, std::move(parts), shape, tree) {}
+  void read(std::uint32_t row, RowScratch& scratch, IdSink& sink) const override { put(row, scratch, sink); }
+  void read(std::uint32_t row, RowScratch& scratch, RunSink& sink) const override { put(row, scratch, sink); }
+  void read(std::uint32_t row, RowScratch& scratch, BitSink& sink) const override { put(row, scratch, sink); }
+  Cost cost(std::uint32_t row) const override { return reader_.cost(reader_.node_of_row(row)); }
+
+ private:
+  template <typename Sink>
+  void put(std::uint32_t row, RowScratch& scratch, Sink& sink) const {
+    const NodeSet& set = reader_.set(reader_.node_of_row(row), scratch.as<NodePath>());
+    for_each_run(std::span<const std::uint32_t>(set.members),
+                 [&](std::uint32_t first, std::uint32_t count) { sink.run(first - sink.next(), count); });
+  }
+  NodeReader reader_;
+};
+
+}  // namespace
+
+std::unique_ptr<const RowSource> open_over_tree(std::unique_ptr<NodeCoder> coder, Parts parts, Shape shape, const Side& side) {
+  return std::make_unique<RowsOverTree>(std::move(coder), std::move(parts), shape, tree_of(side));
+}
+
+// From the root down, each set once: by rows alone, those near the root would be read again and again.
+VisibilityMatrix decode_over_tree(std::unique_ptr<NodeCoder> coder, TreeOver over, const Parts& parts, Shape shape,
+                                  const Side& side, std::uint64_t most) {
+  const ObjectTree& tree = tree_of(side);
+  const NodeReader reader(std::move(coder), over, parts, shape, tree);
+  const bool over_rows = over == TreeOver::rows;
+  std::vector<NodeSet> reached(tree.size());
+  std::vector<std::vector<std::uint32_t>> out(over_rows ? shape.rows : tree.size());
+  std::uint64_t ones = 0;
+  const auto put = [&](std::uint32_t place, std::vector<std::uint32_t>& ids) {
+    if (ids.size() > most - ones) throw FormatError("more ones than the file states");
+    ones += ids.size();
+    out[place] = std::move(ids);
+  };
+  if (tree.size() > 0) reached[0] = reader.root();
+  for (std::uint32_t n = 0; n < tree.size(); ++n) {
     NodeSet set = std::exchange(reached[n], {});
     for (NodeSet& child : reader.children(set)) reached[child.node] = std::move(child);
     if (!over_rows)
-      out[n] = std::move(set.members);
-    else if (tree->children(n).empty())
-      out[tree->object_of_node()[n]] = std::move(set.members);
+      put(n, set.members);
+    else if (tree.children(n).empty())
+      put(tree.object_of_node()[n], set.members);
   }
   return over_rows ? VisibilityMatrix::from_rows(out, shape.columns)
                    : transpose(VisibilityMatrix::from_rows(out, shape.rows));

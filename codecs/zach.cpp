@@ -349,17 +349,29 @@ class RangeLengths : public CountedLengths<Lengths> {
   std::array<FrequencyTable, Lengths::contexts> tables_;
 };
 
+template <typename Coder>
+constexpr Codec method(std::string_view name, std::string_view contents, bool row_order = false) {
+  Codec codec = tree_codec<Coder, TreeOver::columns>(name, contents, Origin::paper);
+  codec.needs.row_order = row_order;
+  return codec;
+}
+
+constexpr std::array table = {
+    method<PlainBits>("zach0", "children's bits in the parent's cells"),
+    method<AllIntersected>("zach1", "intersection of all children, bits outside it"),
+    method<SomeIntersected>("zach2", "intersection of a chosen subset, subset masks, bits outside it"),
+    method<HuffmanLengths<AlternatingRuns>>("zach3-huffman",
+                                            "run lengths, a Huffman code each for runs of zeros and of ones", true),
+    method<RangeLengths<AlternatingRuns>>("zach3-range",
+                                          "run lengths, range coded, frequencies each for runs of zeros and of ones", true),
+    method<HuffmanLengths<OnesBeforeZeros>>("zach4-huffman", "ones before each zero, one Huffman code", true),
+    method<RangeLengths<OnesBeforeZeros>>("zach4-range", "ones before each zero, range coded", true),
+};
+
 }  // namespace
 
-std::unique_ptr<NodeCoder> make_zach_coder(std::string_view codec) {
-  if (codec == "zach0") return std::make_unique<PlainBits>();
-  if (codec == "zach1") return std::make_unique<AllIntersected>();
-  if (codec == "zach2") return std::make_unique<SomeIntersected>();
-  if (codec == "zach3-huffman") return std::make_unique<HuffmanLengths<AlternatingRuns>>();
-  if (codec == "zach3-range") return std::make_unique<RangeLengths<AlternatingRuns>>();
-  if (codec == "zach4-huffman") return std::make_unique<HuffmanLengths<OnesBeforeZeros>>();
-  if (codec == "zach4-range") return std::make_unique<RangeLengths<OnesBeforeZeros>>();
-  return nullptr;
+std::span<const Codec> zach_codecs() {
+  return table;
 }
 
 }  // namespace vismat

@@ -16,8 +16,14 @@ namespace {
 
 using Payload = std::vector<std::byte>;
 
+// Codecs that give rows: all of them in parts of equal length.
+VisibilityMatrix decode(const Codec& codec, const Payload& payload, Shape shape) {
+  Encoded encoded{payload};
+  if (codec.open != nullptr) put_varint(encoded.index, (shape.rows + codec.rows_per_part - 1) / codec.rows_per_part);
+  return vismat::decode(codec, encoded, shape);
+}
 VisibilityMatrix decode(std::string_view codec, const Payload& payload, Shape shape) {
-  return find_codec(codec).decode(payload, {}, shape, nullptr);
+  return decode(find_codec(codec), payload, shape);
 }
 
 void expect_refused(std::string_view codec, const Payload& payload, Shape shape, std::string_view why) {
@@ -49,7 +55,7 @@ Payload payload_of(std::initializer_list<Field> fields) {
 TEST(WholeFileBaselines, StopBehindTheSizeOfTheShape) {
   const VisibilityMatrix zeros(Shape{1u << 12, 1u << 14});
   for (const char* name : {"gzip", "bzip2", "xz", "zstd", "brotli"}) {
-    const Payload payload = find_codec(name).encode(zeros, nullptr).payload;
+    const Payload payload = find_codec(name).encode(zeros, {}, {}).payload;
     EXPECT_LT(payload.size(), 10'000u) << name;
     expect_refused(name, payload, {3, 5}, "or not the 3 bytes of its shape");
     expect_refused(name, payload, {1u << 13, 1u << 14}, "");
@@ -60,7 +66,7 @@ TEST(WholeFileBaselines, StopBehindTheSizeOfTheShape) {
 TEST(RowBaselines, StopBehindTheRow) {
   const VisibilityMatrix zeros(Shape{1, 1u << 26});
   for (const char* name : {"gzip-rows", "zstd-rows", "zstd-dict", "unreal-chunks"}) {
-    const Payload payload = find_codec(name).encode(zeros, nullptr).payload;
+    const Payload payload = find_codec(name).encode(zeros, {}, {}).payload;
     EXPECT_LT(payload.size(), 10'000u) << name;
     EXPECT_EQ(decode(name, payload, {1, 1u << 26}), zeros) << name;
     expect_refused(name, payload, {1, 20}, "row 0");
@@ -70,14 +76,14 @@ TEST(RowBaselines, StopBehindTheRow) {
 
 TEST(UnrealChunks, RefusesChunksOfOtherRows) {
   const auto matrix = test::random_matrix({100, 30}, .5, 1);
-  const Encoded good = find_codec("unreal-chunks").encode(matrix, nullptr);
-  EXPECT_THROW(find_codec("unreal-chunks").decode(good.payload, good.index, {99, 30}, nullptr), FormatError);
-  EXPECT_THROW(find_codec("unreal-chunks").decode(good.payload, good.index, {101, 30}, nullptr), FormatError);
-  EXPECT_THROW(find_codec("unreal-chunks").decode(good.payload, good.index, {100, 31 + 8}, nullptr),
+  const Encoded good = find_codec("unreal-chunks").encode(matrix, {}, {});
+  EXPECT_THROW(vismat::decode(find_codec("unreal-chunks"), good, {99, 30}), FormatError);
+  EXPECT_THROW(vismat::decode(find_codec("unreal-chunks"), good, {101, 30}), FormatError);
+  EXPECT_THROW(vismat::decode(find_codec("unreal-chunks"), good, {100, 31 + 8}),
                FormatError);
   // Of 100 rows the last chunk holds 36; the first must not.
   const Payload chunk =
-      find_codec("unreal-chunks").encode(test::random_matrix({36, 30}, .5, 1), nullptr).payload;
+      find_codec("unreal-chunks").encode(test::random_matrix({36, 30}, .5, 1), {}, {}).payload;
   Payload twice = chunk;
   twice.insert(twice.end(), chunk.begin(), chunk.end());
   expect_refused("unreal-chunks", twice, {100, 30}, "row 36: a chunk inflates to 144 bytes");
@@ -101,8 +107,8 @@ TEST(ZstdRows, RefusesWhatIsNotOneBareFrame) {
 
 TEST(ZstdDict, IsSmallerWhereRowsAreAlike) {
   const auto matrix = test::clustered_matrix({3000, 800}, 2);
-  EXPECT_LT(find_codec("zstd-dict").encode(matrix, nullptr).payload.size(),
-            find_codec("zstd-rows").encode(matrix, nullptr).payload.size());
+  EXPECT_LT(find_codec("zstd-dict").encode(matrix, {}, {}).payload.size(),
+            find_codec("zstd-rows").encode(matrix, {}, {}).payload.size());
 }
 
 // Rows over several containers of 2^16 columns, in all three forms and where runs cross from one to the next.
@@ -118,8 +124,8 @@ TEST(Roaring, KeepsWideRows) {
     if (c % 16 == 0 && c / 65536 == 1) rows[5].push_back(c);  // 4096: the largest array
   }
   const auto matrix = VisibilityMatrix::from_rows(rows, columns);
-  const Encoded encoded = find_codec("roaring").encode(matrix, nullptr);
-  EXPECT_EQ(find_codec("roaring").decode(encoded.payload, encoded.index, matrix.shape(), nullptr), matrix);
+  const Encoded encoded = find_codec("roaring").encode(matrix, {}, {});
+  EXPECT_EQ(vismat::decode(find_codec("roaring"), encoded, matrix.shape()), matrix);
 }
 
 TEST(Roaring, RefusesWhatTheLibraryWouldTrust) {
@@ -186,31 +192,32 @@ class ProgramCodecs : public testing::TestWithParam<Codec> {
  protected:
   // Whatever a program writes ends up under this folder.
   void SetUp() override {
-    if (!program_available(GetParam())) GTEST_SKIP() << GetParam().name << " is not installed";
+    if (!available()) GTEST_SKIP() << GetParam().name << " is not installed";
     ::setenv("TMPDIR", (folder_ / "").c_str(), 1);
   }
   void TearDown() override {
     ::unsetenv("TMPDIR");
     EXPECT_EQ(folder_.entries(), 0u) << "files are left";
   }
+  bool available() const { return codec_named(GetParam().name, available_program_codecs()) != nullptr; }
   TemporaryFolder folder_;
 };
 
 TEST_P(ProgramCodecs, RoundTrips) {
   for (const auto& m : test::assorted_matrices()) {
-    const Encoded encoded = GetParam().encode(m.matrix, nullptr);
-    EXPECT_EQ(GetParam().decode(encoded.payload, encoded.index, m.matrix.shape(), nullptr), m.matrix)
+    const Encoded encoded = GetParam().encode(m.matrix, {}, {});
+    EXPECT_EQ(vismat::decode(GetParam(), encoded, m.matrix.shape()), m.matrix)
         << m.name;
   }
   const auto matrix = test::clustered_matrix({50, 90}, 3);
-  EXPECT_EQ(GetParam().encode(matrix, nullptr), GetParam().encode(matrix, nullptr));
+  EXPECT_EQ(GetParam().encode(matrix, {}, {}), GetParam().encode(matrix, {}, {}));
 }
 
 TEST_P(ProgramCodecs, RefusesDamageAndOtherShapes) {
   const auto matrix = test::clustered_matrix({50, 90}, 3);
-  const Payload good = GetParam().encode(matrix, nullptr).payload;
+  const Payload good = GetParam().encode(matrix, {}, {}).payload;
   const auto decode = [&](const Payload& payload, Shape shape) {
-    return GetParam().decode(payload, {}, shape, nullptr);
+    return vismat::decode(GetParam(), {payload}, shape);
   };
   EXPECT_THROW(decode(good, {50, 100}), FormatError);
   EXPECT_THROW(decode(good, {51, 90}), FormatError);
@@ -221,9 +228,9 @@ TEST_P(ProgramCodecs, RefusesDamageAndOtherShapes) {
 TEST_P(ProgramCodecs, SaysWhatIsMissing) {
   const std::string path = ::getenv("PATH");
   ::setenv("PATH", (folder_ / "").c_str(), 1);
-  EXPECT_FALSE(program_available(GetParam()));
+  EXPECT_FALSE(available());
   try {
-    GetParam().encode(VisibilityMatrix::from_rows({{0}}, 1), nullptr);
+    GetParam().encode(VisibilityMatrix::from_rows({{0}}, 1), {}, {});
     ADD_FAILURE();
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("is not installed (Debian package "), std::string::npos)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <thread>
 
@@ -16,6 +17,10 @@
 
 namespace vismat {
 namespace {
+
+Side over(const ObjectTree& tree) {
+  return {&tree, {}, {}};
+}
 
 const std::vector<std::string> names = {"gotsman1", "gotsman2", "gotsman3", "gotsman3-context"};
 
@@ -88,7 +93,7 @@ TEST(Gotsman, WritesWhatTheNotationSays) {
     for (int method = 1; method <= 3; ++method) {
       const Codec& codec = find_codec(names[static_cast<std::size_t>(method) - 1]);
       const ObjectTree tree = pairs(matrix.shape().rows);
-      EXPECT_EQ(codec.encode(matrix, &tree).payload, obvious_payload(method, matrix, tree))
+      EXPECT_EQ(codec.encode(matrix, over(tree), {}).payload, obvious_payload(method, matrix, tree))
           << codec.name << ", " << name;
     }
   }
@@ -98,8 +103,8 @@ TEST(Gotsman, RoundTripsOverAChain) {
   const VisibilityMatrix matrix = test::clustered_matrix({70, 200}, 21);
   const ObjectTree tree = chain(70);
   for (const std::string& name : names) {
-    const Encoded e = find_codec(name).encode(matrix, &tree);
-    EXPECT_EQ(find_codec(name).decode(e.payload, e.index, matrix.shape(), &tree), matrix) << name;
+    const Encoded e = find_codec(name).encode(matrix, over(tree), {});
+    EXPECT_EQ(decode(find_codec(name), e, matrix.shape(), over(tree)), matrix) << name;
   }
 }
 
@@ -107,8 +112,8 @@ TEST(Gotsman, AnyRowAndNodeAloneIsThatOfTheWhole) {
   const VisibilityMatrix matrix = test::clustered_matrix({120, 300}, 22);
   for (const ObjectTree& tree : {pairs(120), chain(120)}) {
     for (const std::string& name : names) {
-      const Encoded e = find_codec(name).encode(matrix, &tree);
-      const NodeReader reader(name, e.payload, e.index, matrix.shape(), tree);
+      const Encoded e = find_codec(name).encode(matrix, over(tree), {});
+      const NodeReader reader(find_codec(name), Parts(e), matrix.shape(), tree);
       for (std::uint32_t row = 0; row < 120; ++row) {
         const std::uint32_t node = reader.node_of_row(row);
         EXPECT_TRUE(std::ranges::equal(reader.set(node).members, matrix.row(row))) << name << ", row " << row;
@@ -129,14 +134,14 @@ TEST(Gotsman, AKeptPathGivesTheSameSets) {
   const VisibilityMatrix matrix = test::clustered_matrix({90, 300}, 23);
   const ObjectTree tree = pairs(90);
   for (const std::string& name : names) {
-    const Encoded e = find_codec(name).encode(matrix, &tree);
-    const NodeReader reader(name, e.payload, e.index, matrix.shape(), tree);
+    const Encoded e = find_codec(name).encode(matrix, over(tree), {});
+    const NodeReader reader(find_codec(name), Parts(e), matrix.shape(), tree);
     NodePath path;
     Random random(1);
     for (int step = 0; step < 500; ++step) {
       const std::uint32_t node = random.below(tree.size());
       EXPECT_EQ(reader.set(node, path).members, reader.set(node).members) << name;
-      EXPECT_EQ(path.sets.back().node, node);
+      EXPECT_EQ(path.last().node, node);
     }
   }
 }
@@ -144,8 +149,8 @@ TEST(Gotsman, AKeptPathGivesTheSameSets) {
 TEST(Gotsman, ThreadsShareAReader) {
   const VisibilityMatrix matrix = test::clustered_matrix({200, 300}, 24);
   const ObjectTree tree = pairs(200);
-  const Encoded e = find_codec("gotsman3-context").encode(matrix, &tree);
-  const NodeReader reader("gotsman3-context", e.payload, e.index, matrix.shape(), tree);
+  const Encoded e = find_codec("gotsman3-context").encode(matrix, over(tree), {});
+  const NodeReader reader(find_codec("gotsman3-context"), Parts(e), matrix.shape(), tree);
   std::vector<int> wrong(4, 0);
   std::vector<std::thread> threads;
   for (std::uint32_t t = 0; t < 4; ++t) {
@@ -162,8 +167,8 @@ TEST(Gotsman, ThreadsShareAReader) {
 TEST(Gotsman, ContextsTakeAThirdOffTheThirdMethod) {
   const VisibilityMatrix matrix = test::clustered_matrix({1000, 400}, 25);
   const ObjectTree tree = pairs(1000);
-  const std::size_t plain = find_codec("gotsman3").encode(matrix, &tree).payload.size(),
-                    contexts = find_codec("gotsman3-context").encode(matrix, &tree).payload.size();
+  const std::size_t plain = find_codec("gotsman3").encode(matrix, over(tree), {}).payload.size(),
+                    contexts = find_codec("gotsman3-context").encode(matrix, over(tree), {}).payload.size();
   EXPECT_LT(contexts, plain * 65 / 100);
 }
 
@@ -174,9 +179,9 @@ TEST(Gotsman, LearnsFromAPartOfLargeMatrices) {
   std::uint64_t members = 0;
   for (std::uint32_t r = 0; r < 6000; ++r) members += matrix.row(r).size();
   ASSERT_GT(members, std::uint64_t{1} << 21);  // of the leafs; the rest of the tree has more than that again
-  const Encoded e = find_codec("gotsman3-context").encode(matrix, &tree);
-  EXPECT_EQ(find_codec("gotsman3-context").encode(matrix, &tree), e);
-  EXPECT_EQ(find_codec("gotsman3-context").decode(e.payload, e.index, matrix.shape(), &tree), matrix);
+  const Encoded e = find_codec("gotsman3-context").encode(matrix, over(tree), {});
+  EXPECT_EQ(find_codec("gotsman3-context").encode(matrix, over(tree), {}), e);
+  EXPECT_EQ(decode(find_codec("gotsman3-context"), e, matrix.shape(), over(tree)), matrix);
 }
 
 TEST(Gotsman, RefusesTreesThatAreNotBinaryOverTheRows) {
@@ -205,12 +210,12 @@ TEST(Gotsman, RefusesTreesThatAreNotBinaryOverTheRows) {
   };
   for (const std::string& name : names) {
     const Codec& codec = find_codec(name);
-    const Encoded e = codec.encode(matrix, &good);
-    EXPECT_THROW(codec.encode(matrix, nullptr), std::invalid_argument);
-    EXPECT_THROW(codec.decode(e.payload, e.index, matrix.shape(), nullptr), FormatError);
+    const Encoded e = codec.encode(matrix, over(good), {});
+    EXPECT_THROW(codec.encode(matrix, {}, {}), std::invalid_argument);
+    EXPECT_THROW(decode(codec, e, matrix.shape()), FormatError);
     for (const ObjectTree& tree : bad) {
-      EXPECT_THROW(codec.encode(matrix, &tree), std::invalid_argument) << name;
-      EXPECT_THROW(codec.decode(e.payload, e.index, matrix.shape(), &tree), FormatError) << name;
+      EXPECT_THROW(codec.encode(matrix, over(tree), {}), std::invalid_argument) << name;
+      EXPECT_THROW(decode(codec, e, matrix.shape(), over(tree)), FormatError) << name;
     }
   }
 }
@@ -219,11 +224,18 @@ TEST(Gotsman, RefusesTreesThatAreNotBinaryOverTheRows) {
 TEST(Gotsman, RefusesWhatNoEncoderWrites) {
   const ObjectTree tree = pairs(2);
   const auto matrix = VisibilityMatrix::from_rows({{0, 1}, {1, 2}}, 3);
-  const auto decode = [&](const char* name, std::vector<unsigned> payload, std::vector<unsigned> index) {
-    std::vector<std::byte> bytes, sizes;
-    for (const unsigned b : payload) bytes.push_back(static_cast<std::byte>(b));
-    for (const unsigned b : index) sizes.push_back(static_cast<std::byte>(b));
-    return find_codec(name).decode(bytes, sizes, {2, 3}, &tree);
+  // `parts`: their bytes, from the payload's end on.
+  const auto decode = [&](const char* name, std::vector<unsigned> payload, std::vector<unsigned> parts) {
+    Encoded e;
+    for (const unsigned b : payload) e.payload.push_back(static_cast<std::byte>(b));
+    std::vector<std::uint64_t> starts;
+    std::uint64_t at = payload.size() - std::accumulate(parts.begin(), parts.end(), 0u);
+    for (const unsigned bytes : parts) {
+      starts.push_back(at);
+      at += bytes;
+    }
+    e.index = part_index_bytes(starts, payload.size());
+    return vismat::decode(find_codec(name), e, {2, 3}, over(tree));
   };
   EXPECT_EQ(decode("gotsman1", {1, 0b110011}, {1}), matrix);
   EXPECT_EQ(decode("gotsman2", {1, 0b110011}, {1}), matrix);
@@ -239,13 +251,13 @@ TEST(Gotsman, RefusesWhatNoEncoderWrites) {
   EXPECT_THROW(decode("gotsman1", {0, 0b011, 0b110011}, {1, 1}), FormatError);  // object 2 in a child alone
 
   // One byte more is refused under contexts too.
-  const Encoded e = find_codec("gotsman3-context").encode(matrix, &tree);
-  ASSERT_EQ(find_codec("gotsman3-context").decode(e.payload, e.index, {2, 3}, &tree), matrix);
+  const Codec& context = find_codec("gotsman3-context");
+  const Encoded e = context.encode(matrix, over(tree), {});
+  ASSERT_EQ(vismat::decode(context, e, {2, 3}, over(tree)), matrix);
   Encoded longer = e;
   longer.payload.push_back(std::byte{0});
-  longer.index[0] = static_cast<std::byte>(std::to_integer<unsigned>(longer.index[0]) + 1);
-  EXPECT_THROW(find_codec("gotsman3-context").decode(longer.payload, longer.index, {2, 3}, &tree),
-               FormatError);
+  longer.index = part_index_bytes(std::vector<std::uint64_t>{Parts(e).model().size()}, longer.payload.size());
+  EXPECT_THROW(vismat::decode(context, longer, {2, 3}, over(tree)), FormatError);
 }
 
 TEST(ContextTree, IsWrittenAsItIsRead) {

@@ -162,9 +162,9 @@ TEST(PanneTable, JoinsColumnsWhereThatSaves) {
 TEST(PanneSearch, IsTheSameForAnyNumberOfThreads) {
   for (const auto& matrix :
        {test::clustered_matrix({300, 400}, 27), test::random_matrix({200, 300}, .1, 28)}) {
-    const Encoded one = encode_panne(matrix, PanneSearch{.threads = 1});
-    EXPECT_EQ(encode_panne(matrix, PanneSearch{.threads = 5}), one);
-    EXPECT_EQ(encode_panne(matrix, PanneSearch{}), one);
+    const Encoded one = find_codec("panne").encode(matrix, {}, {.threads = 1});
+    EXPECT_EQ(find_codec("panne").encode(matrix, {}, {.threads = 5}), one);
+    EXPECT_EQ(find_codec("panne").encode(matrix, {}, {}), one);
   }
 }
 
@@ -200,8 +200,8 @@ TEST(Panne, HasNoClustersInVeryWideRows) {
   for (std::uint32_t c = 5; c < columns; c += 100000) row.push_back(c);
   const auto matrix = VisibilityMatrix::from_rows(std::vector(9, row), columns);
   EXPECT_EQ(search_clusters(matrix, {}).clusters(), 0u);
-  const Encoded encoded = encode_panne(matrix, PanneSearch{});
-  EXPECT_EQ(find_codec("panne").decode(encoded.payload, encoded.index, matrix.shape(), nullptr), matrix);
+  const Encoded encoded = find_codec("panne").encode(matrix, {}, {});
+  EXPECT_EQ(decode(find_codec("panne"), encoded, matrix.shape()), matrix);
 }
 
 // --- What no encoder makes ------------------------------------------------------------------------------------------------------
@@ -273,8 +273,8 @@ ByHand write_by_hand(const std::vector<std::uint32_t>& heads, const std::vector<
 VisibilityMatrix decode(const std::vector<std::uint32_t>& heads, const std::vector<List>& clusters,
                         const std::vector<Step>& row) {
   const ByHand file = write_by_hand(heads, clusters, row);
-  const auto index = row_index_bytes(std::vector<std::uint64_t>{file.model_bytes, file.payload.size()});
-  return find_codec("panne").decode(file.payload, index, {1, file.columns}, nullptr);
+  const std::vector<std::uint64_t> starts = {file.model_bytes};
+  return vismat::decode(find_codec("panne"), {file.payload, part_index_bytes(starts, file.payload.size())}, {1, file.columns});
 }
 
 std::vector<std::uint32_t> heads_at(std::uint32_t columns, std::initializer_list<std::uint32_t> at) {

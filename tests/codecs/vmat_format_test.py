@@ -13,6 +13,8 @@ import tempfile
 import unittest
 import zlib
 
+import h5py
+
 SOURCE, VISMAT = pathlib.Path(sys.argv[1]), sys.argv[2]
 PAGE = (SOURCE / "docs/vmat.md").read_text()
 
@@ -22,39 +24,35 @@ def bits_of(data):
     return [byte >> i & 1 for byte in data for i in range(8)]
 
 
+SECTIONS = {1: "facts", 2: "tree", 3: "row tree", 4: "row order", 5: "column order", 6: "order of both", 7: "row groups",
+            8: "column groups", 9: "boundaries", 10: "row names", 11: "column names", 12: "column levels", 13: "boxes", 14: "bands",
+            15: "index", 16: "payload"}
+
+
 class File:
     def __init__(self, data):
         magic, version, self.rows, self.columns, self.ones = struct.unpack_from("<8sIIIQ", data)
-        assert magic == bytes.fromhex("89564d41540d0a1a") and version == 3
+        assert magic == bytes.fromhex("89564d41540d0a1a") and version == 4
         self.codec = data[28:60].rstrip(b"\0").decode()
-        sizes = struct.unpack_from("<10Q", data, 60)
-        of_sums, of_head = struct.unpack_from("<2I", data, 140)
-        assert zlib.crc32(data[:144]) == of_head
+        count, = struct.unpack_from("<I", data, 60)
+        table = [struct.unpack_from("<IQ", data, 64 + 12 * i) for i in range(count)]
+        numbers, sizes = [number for number, _ in table], [size for _, size in table]
+        assert numbers == sorted(set(numbers)) and all(sizes)
+        head = 64 + 12 * count
+        of_sums, of_head = struct.unpack_from("<2I", data, head)
+        assert zlib.crc32(data[:head + 4]) == of_head
         blocks = -(-sum(sizes) // 4096)
-        sums, body = data[148:148 + 4 * blocks], data[148 + 4 * blocks:]
+        sums, body = data[head + 8:head + 8 + 4 * blocks], data[head + 8 + 4 * blocks:]
         assert len(body) == sum(sizes) and zlib.crc32(sums) == of_sums
         for block in range(blocks):
             assert zlib.crc32(body[4096 * block:4096 * (block + 1)]) == struct.unpack_from("<I", sums, 4 * block)[0]
-        self.sections = {}
-        names = ("facts", "tree", "row tree", "row order", "column order", "row groups", "column groups", "boundaries",
-                 "index", "payload")
-        for name, size in zip(names, sizes):
-            self.sections[name], body = body[:size], body[size:]
+        self.sections = {name: b"" for name in SECTIONS.values()}
+        for number, size in table:
+            self.sections[SECTIONS.get(number, f"shared {number - 32}")], body = body[:size], body[size:]
 
     def places(self):
-        """Where each row's bytes begin, and the payload's end."""
-        index, n, u = self.sections["index"], self.rows + 1, len(self.sections["payload"])
-        if not index:
-            return [row * u // self.rows for row in range(n)]
-        b = 0 if u < 2 * n else (u // n).bit_length() - 1
-        words = [-(-n // 64), -(-(n + (u >> b) + 1) // 64), -(-n * b // 64)]
-        assert len(index) == 8 * sum(words)
-        high = bits_of(index[8 * words[0]:8 * (words[0] + words[1])])
-        low = bits_of(index[8 * (words[0] + words[1]):])
-        set_bits = [place for place, bit in enumerate(high) if bit]
-        samples = struct.unpack_from(f"<{words[0]}Q", index)
-        assert list(samples) == set_bits[::64] and len(set_bits) == n
-        return [((place - i) << b) + sum(low[i * b + j] << j for j in range(b)) for i, place in enumerate(set_bits)]
+        """Where each part's bytes begin, and the payload's end."""
+        return part_places(self.sections["index"], len(self.sections["payload"]))
 
     def row(self, row):
         places = self.places()
@@ -71,6 +69,25 @@ class File:
             ids += range(column, column + count)
             column += count
         return ids
+
+
+def part_places(index, u):
+    """Where the parts begin in a payload of u bytes, and where it ends."""
+    index = Bytes(index)
+    n = index.varint()
+    if index.at == len(index.data):
+        return [part * u // n for part in range(n + 1)] if n else [u]
+    b = 0 if u < 2 * (n + 1) else (u // (n + 1)).bit_length() - 1
+    m = n + 1 + (u >> b)
+    width = 8 if m >= 2**32 else 4
+    samples = index.take(width * (n // 256))
+    high, low = bits_of(index.take(-(-m // 8))), bits_of(index.take(-(-(n + 1) * b // 8)))
+    assert index.at == len(index.data)
+    set_bits = [place for place, bit in enumerate(high) if bit]
+    assert [int.from_bytes(samples[i:i + width], "little") for i in range(0, len(samples), width)] == set_bits[256::256]
+    places = [((place - i) << b) + sum(low[i * b + j] << j for j in range(b)) for i, place in enumerate(set_bits)]
+    assert len(places) == n + 1 and places[-1] == u and places == sorted(places)
+    return places
 
 
 class Bits:
@@ -284,6 +301,150 @@ class RangeDecoder:
         return int(bit)
 
 
+class Chance:
+    def __init__(self):
+        self.quick = self.slow = 1 << 15
+
+    def p(self):
+        return min(max((self.quick + self.slow) // 8, 64), 2**14 - 64)
+
+    def see(self, bit):
+        if bit:
+            self.quick += (65535 - self.quick) // 16
+            self.slow += (65535 - self.slow) // 128
+        else:
+            self.quick -= self.quick // 16
+            self.slow -= self.slow // 128
+
+
+class Adaptive:
+    """Chances by name, each made when it is first used."""
+
+    def __init__(self, data):
+        self.decoder, self.chances = RangeDecoder(data), {}
+
+    def bit(self, *name):
+        chance = self.chances.setdefault(name, Chance())
+        bit = self.decoder.bit(chance.p())
+        chance.see(bit)
+        return bit
+
+    def number(self, *name):
+        n = 0
+        while self.bit(*name, "w", n):
+            n += 1
+        value = 1
+        for i in range(n):
+            value = 2 * value + (self.bit(*name, "h", n, value & 7) if i < 3 else self.decoder.bit(2**13))
+        return value - 1
+
+
+class Steps:
+    def __init__(self, coder, n):
+        self.coder, self.left, self.below = coder, list(range(n)), 0
+        self.last, self.before, self.far = True, True, 0
+
+    def step(self):
+        above = len(self.left) - self.below
+        told = self.below > 0 and above > 0
+        up = bool(self.coder.bit("up", self.last, self.before, self.far > 0)) if told else self.below == 0
+        number = self.coder.number("between", told and 1 + (up == self.last), min(5, self.far.bit_length()))
+        assert number < (above if up else self.below)
+        self.below = self.below + number if up else self.below - 1 - number
+        self.last, self.before, self.far = up, self.last, number
+        return self.left.pop(self.below)
+
+
+def read_order(data, n):
+    """Where each of the source's stands."""
+    steps = Steps(Adaptive(data[1:]), n)
+    way = [steps.step() for _ in range(n)]
+    if data[0] == 1:
+        return way
+    assert data[0] == 0
+    places = [0] * n
+    for place, number in enumerate(way):
+        places[number] = place
+    return places
+
+
+def read_tree(data):
+    """Parents and objects of the nodes, how many objects there are, whether the columns are the nodes."""
+    data = Bytes(data)
+    flags, objects, n = data.byte(), data.varint(), data.varint()
+    coder = Adaptive(data.data[data.at:])
+    parents, counts = [], []
+    if flags & 3 == 2:
+        last = 0
+        for node in range(n):
+            if node:
+                last = coder.number("back", min(3, last.bit_length()))
+            parents.append(node - 1 - last if node else None)
+    else:
+        waiting = []  # nodes that lack children: a queue by levels, a stack by branches
+        for node in range(n):
+            parent = waiting.pop(0 if flags & 3 == 0 else -1) if node else None
+            above = min(3, counts[parent]) if node else 0
+            count = coder.number("children", above, min(3, counts[-1]) if node else 0)
+            parents.append(parent)
+            counts.append(count)
+            waiting += [node] * count
+        assert not waiting
+    held, steps, result, new = [], Steps(coder, objects), [], True
+    inner = set(parents)
+    for node in range(n):
+        if not coder.bit("holds", node in inner):
+            result.append(None)
+            continue
+        new = not held or bool(steps.left) and bool(coder.bit("new", new))
+        held.append(steps.step() if new else held[-1 - coder.number("again")])
+        result.append(held[-1])
+    return parents, result, objects, bool(flags & 4)
+
+
+def read_groups(data):
+    data = Bytes(data)
+    n, order = data.varint(), data.varint()
+    order = data.take(order)
+    code, at = huffman_code(data.data, data.at, 168)
+    bits, members, met = Bits(data.data[at:]), [], 0
+    for member in range(n):
+        back = bits.length(code)[0] - 1
+        members.append(members[member - back] if back else met)
+        met += back == 0
+    bits.finish()
+    if order:  # visits the groups' numbers in the order of their first members
+        place = read_order(order, met)
+        number = sorted(range(met), key=lambda group: place[group])
+        members = [number[member] for member in members]
+    return members
+
+
+def read_names(data):
+    data, names = Bytes(data), []
+    while data.at < len(data.data):
+        shared = data.varint()
+        names.append((names[-1][:shared] if names else b"") + data.take(data.varint()))
+    return [name.decode() for name in names]
+
+
+def read_levels(data):
+    data, levels, last = Bytes(data), [], 0
+    while data.at < len(data.data):
+        step = data.varint()
+        last += step // 2 if step % 2 == 0 else -(step + 1) // 2
+        levels.append((last, data.varint()))
+    return levels
+
+
+def read_bands(data):
+    data = Bytes(data)
+    bands = [0]
+    for _ in range(data.varint() - 1):
+        bands.append(bands[-1] + data.varint())
+    return bands
+
+
 def gamma_numbers(data):
     bits, numbers = bits_of(data), []
     end = max(i for i, bit in enumerate(bits) if bit) if any(bits) else 0
@@ -301,13 +462,17 @@ class Gotsman:
 
     def __init__(self, codec, columns, children, row_of_node, index, payload):
         self.codec, self.columns, self.children = codec, columns, children
-        payload, sizes = Bytes(payload), Bytes(index)
+        places = part_places(index, len(payload))
+        parts = [payload[begin:end] for begin, end in zip(places, places[1:])]
+        payload = Bytes(payload[:places[0]])
         everything = payload.byte()
         if codec == "gotsman3-context":
             self.trees = payload.question_tree(), payload.question_tree()
-        seen = range(columns) if everything else self.root(payload.take(sizes.varint()))
-        self.parts = {node: payload.take(sizes.varint()) for node in range(len(children)) if children[node]}
-        assert payload.at == len(payload.data) and sizes.at == len(sizes.data)
+        assert payload.at == len(payload.data)
+        seen = range(columns) if everything else self.root(parts.pop(0))
+        inner = [node for node in range(len(children)) if children[node]]
+        assert len(parts) == len(inner)
+        self.parts = dict(zip(inner, parts))
         self.rows = {}
         waiting = [(0, list(seen), [], False)]
         while waiting:
@@ -396,6 +561,54 @@ class Format(unittest.TestCase):
             said = subprocess.run([VISMAT, "row", path, "2"], check=True, capture_output=True, text=True).stdout
             self.assertEqual(said.split(), ["3", "4", "5", "39"])
 
+    def test_the_pages_sections(self):
+        found = re.findall(r"^\| (order|tree|groups|names|levels|bands|index) \| ([^|]+) \| `([0-9a-f]+)` \|$", PAGE, re.M)
+        vectors = [(kind, bytes.fromhex(code)) for kind, _, code in found]
+        self.assertEqual([kind for kind, _ in vectors],
+                         ["order", "order", "tree", "tree", "tree", "groups", "names", "levels", "bands", "index"])
+        data = [code for _, code in vectors]
+        self.assertEqual(read_order(data[0], 10), [3, 4, 5, 6, 0, 1, 2, 9, 8, 7])
+        self.assertEqual(read_order(data[1], 23), [i * 7 % 23 for i in range(23)])
+        self.assertEqual(read_tree(data[2]), ([None, 0, 0, 1, 1, 2, 2], [None, None, None, 0, 1, 2, 3], 4, False))
+        self.assertEqual(read_tree(data[3]), ([None, 0, 1, 1, 0, 4, 4], [None, None, 2, 0, None, 1, 2], 3, True))
+        self.assertEqual(read_tree(data[4]), ([None, 0, 0, 2, 1, 2, 1], [5, 0, 0, 0, None, 4, None], 6, False))
+        self.assertEqual(read_groups(data[5]), [1, 1, 0, 2, 1, 2])
+        self.assertEqual(read_names(data[6]), ["wall 1", "wall 12", "wall", ""])
+        self.assertEqual(read_levels(data[7]), [(0, 0), (0, 1), (7, 3), (2, 0)])
+        self.assertEqual(read_bands(data[8]), [0, 64, 99])
+        self.assertEqual(part_places(data[9], 30), [1, 1, 4, 9, 30])
+
+    def test_orders_trees_and_groups_that_the_program_writes(self):
+        random.seed(3)
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+
+            def run(*arguments):
+                subprocess.run([VISMAT, *arguments], check=True, capture_output=True)
+
+            run("city", "--size", "8", "-o", folder / "city.scene.h5")
+            run("see", folder / "city.scene.h5", "--producer", "climbing", "--objects", "-o", folder / "city.bsp.h5")
+            run("order", folder / "city.bsp.h5", "--columns", "random", "--rows", "greedy", "-o", folder / "ordered.bsp.h5")
+            run("merge", folder / "city.bsp.h5", "--lost", ".1", "-o", folder / "merged.bsp.h5")
+            for name in ("ordered", "merged"):
+                run("encode", folder / f"{name}.bsp.h5", "-o", folder / "m.vmat")
+                file = File((folder / "m.vmat").read_bytes())
+                with h5py.File(folder / f"{name}.bsp.h5") as source:
+                    stored = source["vismat"]
+                    for key, n in (("row_order", file.rows), ("column_order", file.columns)):
+                        section = file.sections[key.replace("_", " ")]
+                        self.assertEqual(key in stored, bool(section))
+                        if section:
+                            self.assertEqual(read_order(section, n), list(stored[key]))
+                    for key in ("row_groups", "column_groups"):
+                        if key in stored:
+                            self.assertEqual(read_groups(file.sections[key.replace("_", " ")]), list(stored[key]))
+                    parents, objects, count, nodes = read_tree(file.sections["tree"])
+                    none = 0xffffffff
+                    self.assertEqual([none if p is None else p for p in parents], list(stored["tree/parent"]))
+                    self.assertEqual([none if o is None else o for o in objects], list(stored["tree/object"]))
+                    self.assertEqual((count, nodes), (file.columns, False))
+
     def test_the_pages_delimiter_vector(self):
         expected = re.search(r"^\| delimiter \| `([0-9a-f]+)` \|$", PAGE, re.M).group(1)
         self.assertEqual(delimiter_bytes([5, 2, 1, 1, 3, 1, 70, 4, 1, 2]).hex(), expected)
@@ -451,13 +664,11 @@ class Format(unittest.TestCase):
             for codec in ("gotsman1", "gotsman2", "gotsman3", "gotsman3-context"):
                 subprocess.run([VISMAT, "encode", folder / "m.bsp.h5", "--codec", codec, "-o", folder / "m.vmat"], check=True, capture_output=True)
                 file = File((folder / "m.vmat").read_bytes())
-                tree = Bytes(file.sections["row tree"])
-                self.assertEqual(tree.varint(), 150)
-                count = tree.varint()
-                children = [[] for _ in range(count)]
-                for node in range(1, count):
-                    children[node - tree.varint()].append(node)
-                row_of_node = [tree.varint() - 1 for _ in range(count)]
+                parents, row_of_node, objects, nodes = read_tree(file.sections["row tree"])
+                self.assertEqual((objects, nodes), (150, False))
+                children = [[] for _ in parents]
+                for node in range(1, len(parents)):
+                    children[parents[node]].append(node)
                 read = Gotsman(codec, file.columns, children, row_of_node, file.sections["index"], file.sections["payload"])
                 self.assertEqual([read.rows[r] for r in range(150)], rows, codec)
                 said = subprocess.run([VISMAT, "row", folder / "m.vmat", "17"], check=True, capture_output=True, text=True).stdout

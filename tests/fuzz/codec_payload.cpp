@@ -8,39 +8,57 @@
 #include <string_view>
 
 #include "codecs/baseline_codecs.h"
+#include "codecs/parts.h"
+#include "codecs/row_source.h"
 #include "tests/codecs/matrices.h"
+
+namespace {
+
+// What is decoded as a whole is decoded row by row, too.
+void read_rows(const vismat::RowSource& rows, const vismat::VisibilityMatrix& matrix) try {
+  vismat::RowBuffer<std::uint32_t> buffer;
+  for (std::uint32_t r = matrix.shape().rows; r-- > 0;) {
+    vismat::IdSink sink(buffer, matrix.shape().columns, matrix.ones());
+    rows.read(r, buffer, sink);
+    sink.finish();
+    if (!std::ranges::equal(buffer.content(), matrix.row(r))) std::abort();
+  }
+} catch (const vismat::FormatError&) {
+  std::abort();
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace vismat;
   static const std::vector<Codec> codecs = all_codecs();
   const std::uint8_t* const zero = std::find(data, data + size, 0);
   const std::string_view name(reinterpret_cast<const char*>(data), static_cast<std::size_t>(zero - data));
-  const auto codec_at =
-      std::find_if(codecs.begin(), codecs.end(), [&](const Codec& c) { return c.name == name; });
-  if (codec_at == codecs.end() || data + size - zero < 5) return 0;
-  const Codec& codec = *codec_at;
+  const Codec* const found = codec_named(name, codecs);
+  if (found == nullptr || data + size - zero < 5) return 0;
+  const Codec& codec = *found;
   size -= static_cast<std::size_t>(zero + 1 - data);
   data = zero + 1;
   Shape shape{data[0], data[1]};
   ObjectTree tree;
-  if (codec.over_tree == TreeOver::columns) {
+  if (codec.needs.tree == TreeOver::columns) {
     if (shape.columns > 0) tree = test::even_tree(shape.columns, 2 + data[2] % 30);
     shape.columns = tree.size();
-  } else if (codec.over_tree == TreeOver::rows && shape.rows > 0) {
+  } else if (codec.needs.tree == TreeOver::rows && shape.rows > 0) {
     tree = test::even_tree(shape.rows, 2);
   }
   const auto rest = std::as_bytes(std::span(data + 4, size - 4));
-  const auto index = rest.first(std::min<std::size_t>(data[3], rest.size()));
+  const auto index = rest.first(std::min<std::size_t>(data[3], rest.size())), payload = rest.subspan(index.size());
+  const Side side{&tree, {}, {}};
+  const Encoded input{{payload.begin(), payload.end()}, {index.begin(), index.end()}};
   try {
-    const VisibilityMatrix matrix = codec.decode(rest.subspan(index.size()), index, shape, &tree);
+    const VisibilityMatrix matrix = decode(codec, input, shape, side);
     if (matrix.shape() != shape) std::abort();
-    const auto ours = own_codecs();
-    if (std::none_of(ours.begin(), ours.end(), [&](const Codec& c) { return c.name == codec.name; }))
-      return 0;
-    const bool searches = codec.name == "panne" || codec.name == "gotsman3-context";
-    if (searches && size % 16 != 0) return 0;  // milliseconds each
-    const Encoded again = codec.encode(matrix, &tree);
-    if (codec.decode(again.payload, again.index, shape, &tree) != matrix) std::abort();
+    if (codec.open != nullptr) read_rows(*codec.open(Parts(input), shape, side), matrix);
+    if (codec.origin == Origin::baseline) return 0;
+    if (codec.slow_encode && size % 16 != 0) return 0;  // milliseconds each
+    const Encoded again = codec.encode(matrix, side, {});
+    if (decode(codec, again, shape, side) != matrix) std::abort();
   } catch (const FormatError&) {
   }
   return 0;

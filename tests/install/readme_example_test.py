@@ -41,8 +41,10 @@ with tempfile.TemporaryDirectory() as folder:
 
     (folder / "tiny.mtx").write_text(
         "%%MatrixMarket matrix coordinate pattern general\n3 40 5\n1 1\n3 4\n3 5\n3 6\n3 40\n")
-    run(folder / "installed/bin/vismat", "encode", folder / "tiny.mtx", "--codec", "bitmap", "-o", folder / "tiny.vmat")
-    said = run(folder / "build/engine", folder / "tiny.vmat", "2")
-    assert said == "objects seen from view cell 2: 3 4 5 39\nin 2 ranges\n", said
+    run(folder / "installed/bin/vismat", "tree", folder / "tiny.mtx", "--side", "rows", "--by", "sets", "-o", folder / "tiny.bsp.h5")
+    for codec in ("bitmap", "panne", "gotsman3-context"):
+        run(folder / "installed/bin/vismat", "encode", folder / "tiny.bsp.h5", "--codec", codec, "-o", folder / "tiny.vmat")
+        said = run(folder / "build/engine", folder / "tiny.vmat", "2")
+        assert said == "objects seen from view cell 2: 3 4 5 39\nin 2 ranges\n", said
     refused = subprocess.run([folder / "build/engine", folder / "tiny.vmat", "3"], capture_output=True, text=True)
     assert refused.returncode == 1 and "row 3 of 3" in refused.stderr, refused.stderr

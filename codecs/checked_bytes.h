@@ -1,0 +1,40 @@
+// Bytes of a file that are checked block by block, each when it is first needed.
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace vismat {
+
+/// `body` in blocks of block_bytes, with the CRC-32 of each, four bytes, in `sums`. Both are borrowed. Thread-safe.
+class CheckedBytes {
+ public:
+  static constexpr std::uint64_t block_bytes = 4096;
+  static std::uint64_t blocks_of(std::uint64_t bytes) { return (bytes + block_bytes - 1) / block_bytes; }
+
+  CheckedBytes() = default;
+  CheckedBytes(std::span<const std::byte> body, std::span<const std::byte> sums);
+
+  /// The same bytes, which lie in the body, after a check. Throws FormatError where a block's checksum differs.
+  std::span<const std::byte> checked(std::span<const std::byte> bytes) const {
+    if (bytes.empty()) return bytes;
+    const auto begin = static_cast<std::uint64_t>(bytes.data() - body_.data());
+    const std::uint64_t last = (begin + bytes.size() - 1) / block_bytes;
+    for (std::uint64_t b = begin / block_bytes; b <= last; ++b) {
+      if ((good_[b / 64].load(std::memory_order_relaxed) >> (b % 64) & 1) == 0) [[unlikely]]
+        check(b);
+    }
+    return bytes;
+  }
+  std::uint64_t blocks() const { return blocks_of(body_.size()); }
+
+ private:
+  void check(std::uint64_t block) const;
+  std::span<const std::byte> body_, sums_;
+  // A bit a block, set after its check. Blocks never change: a thread that does not see a bit yet checks again, no more.
+  std::unique_ptr<std::atomic<std::uint64_t>[]> good_;
+};
+
+}  // namespace vismat

@@ -1,0 +1,32 @@
+// Rows of one payload, one at a time: what a codec that gives rows alone opens, and what a reader of whole matrices loops over.
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "codecs/codec.h"
+#include "codecs/parts.h"
+#include "codecs/row_sink.h"
+
+namespace vismat {
+
+/// Holds what all rows share and where the rest lies; nothing of it changes, so any number of threads may read at a time, each
+/// with a scratch of its own. What a row needs besides, its parents' rows or the sets on the way down a tree, a decoder keeps
+/// in the scratch; it allocates nothing once that has held what the longest row takes.
+class RowSource {
+ public:
+  virtual ~RowSource() = default;
+  /// Row `row` < the shape's rows. Throws FormatError on bytes that no encoder made.
+  virtual void read(std::uint32_t row, RowScratch&, IdSink&) const = 0;
+  virtual void read(std::uint32_t row, RowScratch&, RunSink&) const = 0;
+  virtual void read(std::uint32_t row, RowScratch&, BitSink&) const = 0;
+  /// What a row that is read alone takes of the payload; where rows share their bytes, all of these.
+  struct Cost {
+    std::uint64_t bytes = 0, parts = 0;
+  };
+  virtual Cost cost(std::uint32_t row) const = 0;
+};
+
+/// All rows in turn; FormatError at more than `most` ones. Memory grows with what is decoded.
+VisibilityMatrix read_all_rows(const RowSource& rows, const Parts& parts, Shape shape, std::uint64_t most);
+
+}  // namespace vismat
