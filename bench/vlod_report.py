@@ -135,8 +135,7 @@ def table_of_failures(results):
 
 # ---- charts ----------------------------------------------------------------------------------------------------------------
 
-OTHERS = {"gzip", "bzip2", "xz", "zstd", "brotli", "zpaq", "jbig1", "roaring", "gzip-rows", "zstd-rows", "zstd-dict", "unreal-chunks", "streamvbyte",
-          "quake-rle", "bitmap"}
+COLOURS = {"ours": BLUE, "paper": RED, "baseline": GREY}  # by a codec's origin
 
 
 def front(table):
@@ -178,7 +177,7 @@ def draw_pareto(results, columns=2, matrices=None):
         labels = []
         for codec, row in after.iterrows():
             rows = not pd.isna(row.row_p50_us)
-            colour = GREY if codec in OTHERS else RED if codec.startswith("zach") else BLUE
+            colour = COLOURS[row.origin]
             if codec in before.index and before.order.iloc[0] != last:
                 axes.plot([before.ids_s[codec] / 1e6, row.ids_s / 1e6], [before.ratio[codec], row.ratio], color=colour, linewidth=.6, alpha=.35, zorder=1)
             axes.plot(row.ids_s / 1e6, row.ratio, marker="o" if rows else "s", markersize=6, color=colour, markerfacecolor=colour if rows else "white", zorder=3)
@@ -199,9 +198,10 @@ def draw_pareto(results, columns=2, matrices=None):
     for axes, labels in all_labels:
         label_apart(axes, labels)
     handles = [plt.Line2D([], [], color=BLUE, marker="o", linestyle="", label="ours, any row alone"),
-               plt.Line2D([], [], color=RED, marker="s", markerfacecolor="white", linestyle="", label="paper 002's methods, over a tree"),
-               plt.Line2D([], [], color=GREY, marker="o", linestyle="", label="others', any row alone"),
-               plt.Line2D([], [], color=GREY, marker="s", markerfacecolor="white", linestyle="", label="others', whole file"),
+               plt.Line2D([], [], color=RED, marker="o", linestyle="", label="published methods, any row alone"),
+               plt.Line2D([], [], color=RED, marker="s", markerfacecolor="white", linestyle="", label="published methods, whole file"),
+               plt.Line2D([], [], color=GREY, marker="o", linestyle="", label="what people use, any row alone"),
+               plt.Line2D([], [], color=GREY, marker="s", markerfacecolor="white", linestyle="", label="what people use, whole file"),
                plt.Line2D([], [], color="black", linestyle=":", label="none is both smaller and faster"),
                plt.Line2D([], [], color=GREY, linewidth=.6, label="from the natural order to the best one")]
     figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(.5, -.01), ncols=3, fontsize=8, frameon=False)
