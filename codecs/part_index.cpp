@@ -61,7 +61,6 @@ void PartIndex::open(std::span<const std::byte> head, std::span<const std::byte>
   }
   equal_bytes_.reset();
   low_bits_ = layout.low_bits;
-  high_bits_ = layout.high_bits;
   sample_bytes_ = layout.sample_bytes;
   samples_ = index.subspan(in.offset(), layout.samples * layout.sample_bytes);
   high_ = index.subspan(in.offset() + samples_.size(), (layout.high_bits + 7) / 8);
@@ -73,15 +72,11 @@ void PartIndex::check_whole() const {
   constexpr auto as_is = [](std::span<const std::byte> bytes) { return bytes; };
   std::vector<std::uint64_t> starts;
   starts.reserve(parts_ + 1);
-  std::uint64_t at = 0;
-  for (std::uint64_t i = 0; i <= parts_; ++i, ++at) {
-    std::uint64_t bits = high(at, as_is);
-    while (bits == 0) {
-      at += 64;
-      bits = high(at, as_is);
-    }
-    at += static_cast<std::uint64_t>(std::countr_zero(bits));
-    starts.push_back(number(at, i, as_is));
+  Words words{high_, 0};
+  std::uint64_t bits = words.first(as_is);
+  for (std::uint64_t i = 0; i <= parts_; ++i, bits &= bits - 1) {
+    while (bits == 0) bits = words.next(as_is);
+    starts.push_back(number(words.place(bits), i, as_is));
     if (starts.back() > payload_bytes_ || (i > 0 && starts[i] < starts[i - 1])) refuse();
   }
   if (starts.back() != payload_bytes_) refuse();
