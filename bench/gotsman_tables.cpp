@@ -171,7 +171,8 @@ void add_lines(const Dataset& data, const std::string& name, const std::string& 
         line.row ? "," + csv_line(row.median_us, row.high_us, row.path_us, row.bytes, row.parts) : ",,,,,\n";
   };
   for (const char* codec : {"pair-ans", "gzip", "xz"}) add("", find_codec(codec), {});
-  if (const auto programs = available_program_codecs(); const Codec* zpaq = codec_named("zpaq", programs)) add("", *zpaq, {});
+  if (const auto programs = available_program_codecs(); const Codec* zpaq = codec_named("zpaq", programs))
+    add("", *zpaq, {});
   const auto add_tree = [&](const char* tree_name, const ObjectTree& tree) {
     for (const Codec& codec : own_codecs()) {
       if (codec.needs.tree == TreeOver::rows) add(tree_name, codec, tree);

@@ -21,15 +21,16 @@
 #include "layout/grouping.h"
 #include "matrix/atomic_file.h"
 #include "matrix/dataset.h"
-#include "programs/prepared_for.h"
 #include "matrix/loss.h"
+#include "programs/prepared_for.h"
 
 namespace vismat::bench {
 
 /// The matrix of a file and, where its columns are nodes, their tree: what a merge here takes along.
 inline Dataset read_matrix(const std::filesystem::path& file) {
   Dataset data = read_dataset(file), bare;
-  if (!data.source.boundaries.empty()) throw std::invalid_argument(file.string() + ": holds differences, not cells");
+  if (!data.source.boundaries.empty())
+    throw std::invalid_argument(file.string() + ": holds differences, not cells");
   bare.matrix = std::move(data.matrix);
   if (data.source.columns_are_nodes) {
     bare.source.tree = std::move(data.source.tree);
@@ -93,7 +94,8 @@ inline void put_in_order(Merge& merge, Ordered ordered) {
     if (groups) return group_size(groups);
     return order.is_identity() ? 0 : permutation_bytes(order.size());
   };
-  merge.names_bytes = names(merge.data.source.row_groups, by_rows) + names(merge.data.source.column_groups, by_columns);
+  merge.names_bytes =
+      names(merge.data.source.row_groups, by_rows) + names(merge.data.source.column_groups, by_columns);
 }
 
 /// The original as it is, ordered alone.
@@ -135,7 +137,8 @@ inline Code code_of(const Codec& codec, const Merge& merge, const VisibilityMatr
   Code code;
   code.bytes = read.encoded.payload.size();
   if (codec.open != nullptr && codec.needs.tree == TreeOver::nothing) code.bytes += read.encoded.index.size();
-  const LengthStatistics lengths = length_statistics(codec, merge.data.matrix, tree_for(codec, merge.data.source));
+  const LengthStatistics lengths =
+      length_statistics(codec, merge.data.matrix, tree_for(codec, merge.data.source));
   if (lengths.lengths > 0)
     code.average_run = static_cast<double>(lengths.bits) / static_cast<double>(lengths.lengths);
   return code;

@@ -58,8 +58,8 @@ void add_lines(const std::string& name, const Dataset& original, const Case& now
     const Code code = code_of(codec, merge, original.matrix);
     std::printf(" %13ju", std::uintmax_t{code.bytes});
     std::fflush(stdout);
-    csv += csv_line(name, rows, columns, original.matrix.ones(), original.source.columns_are_nodes, now.method,
-                    now.side, now.lost, options.max_per_cell, cells, objects, merge.loss.added,
+    csv += csv_line(name, rows, columns, original.matrix.ones(), original.source.columns_are_nodes,
+                    now.method, now.side, now.lost, options.max_per_cell, cells, objects, merge.loss.added,
                     merge.loss.lost(), merge.loss.added_share(), median, high, worst, merge.merge_s,
                     merge.order_s, merge.names_bytes, bitmap_size(merge.data.matrix.shape()), codec.name,
                     code.bytes, code.average_run);

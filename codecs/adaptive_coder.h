@@ -87,7 +87,8 @@ class AdaptiveNumber {
     std::uint64_t read = 1;
     for (unsigned b = bits; b-- > 0;) {
       const bool one = (value >> b & 1) != 0;
-      read = read << 1 | std::uint64_t{bits - b <= 3 ? coder.bit(high_[bits][read & 7], one) : coder.even_bit(one)};
+      read = read << 1 |
+             std::uint64_t{bits - b <= 3 ? coder.bit(high_[bits][read & 7], one) : coder.even_bit(one)};
     }
     if (read > 0x100000000u) throw FormatError("a number of more than 32 bits");
     return static_cast<std::uint32_t>(read - 1);

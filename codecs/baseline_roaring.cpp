@@ -142,7 +142,8 @@ struct RoaringRows {
 }  // namespace
 
 Codec roaring_baseline() {
-  return row_codec<RoaringRows>("roaring", "Roaring bitmaps after runOptimize, portable format", Origin::baseline);
+  return row_codec<RoaringRows>("roaring", "Roaring bitmaps after runOptimize, portable format",
+                                Origin::baseline);
 }
 
 }  // namespace vismat

@@ -261,7 +261,8 @@ std::array<Codec, 5> whole_file_baselines() {
       whole_file_codec<bzip2_encode, bzip2_decode>("bzip2", "bitmap through bzip2 -9", Origin::baseline),
       whole_file_codec<xz_encode, xz_decode>("xz", "bitmap through xz -9e", Origin::baseline),
       whole_file_codec<zstd_encode, zstd_decode>("zstd", "bitmap through zstd -19 --long", Origin::baseline),
-      whole_file_codec<brotli_encode, brotli_decode>("brotli", "bitmap through brotli -q 11 --lgwin=24", Origin::baseline),
+      whole_file_codec<brotli_encode, brotli_decode>("brotli", "bitmap through brotli -q 11 --lgwin=24",
+                                                     Origin::baseline),
   };
 }
 

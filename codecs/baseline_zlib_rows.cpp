@@ -152,9 +152,9 @@ class UnrealChunks {
 }  // namespace
 
 std::array<Codec, 2> zlib_row_baselines() {
-  return {
-      row_codec<GzipRows>("gzip-rows", "each row's bitmap through deflate -9", Origin::baseline),
-      row_codec<UnrealChunks>("unreal-chunks", "64 rows' bitmaps through zlib -9, inflated for each row", Origin::baseline)};
+  return {row_codec<GzipRows>("gzip-rows", "each row's bitmap through deflate -9", Origin::baseline),
+          row_codec<UnrealChunks>("unreal-chunks", "64 rows' bitmaps through zlib -9, inflated for each row",
+                                  Origin::baseline)};
 }
 
 }  // namespace vismat

@@ -166,9 +166,10 @@ class ZstdRows {
 }  // namespace
 
 std::array<Codec, 2> zstd_row_baselines() {
-  return {row_codec<ZstdRows<false>>("zstd-rows", "each row's bitmap through zstd -19", Origin::baseline),
-          row_codec<ZstdRows<true>>("zstd-dict",
-                                    "trained dictionary; each row's bitmap through zstd -19 with it", Origin::baseline)};
+  return {
+      row_codec<ZstdRows<false>>("zstd-rows", "each row's bitmap through zstd -19", Origin::baseline),
+      row_codec<ZstdRows<true>>("zstd-dict", "trained dictionary; each row's bitmap through zstd -19 with it",
+                                Origin::baseline)};
 }
 
 }  // namespace vismat

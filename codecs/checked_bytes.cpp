@@ -17,8 +17,8 @@ void CheckedBytes::check(std::uint64_t block) const {
   std::uint32_t sum;
   std::memcpy(&sum, sums_.data() + 4 * block, sizeof sum);
   if (crc32(body_.subspan(begin, std::min(block_bytes, body_.size() - begin))) != sum) {
-    throw FormatError(".vmat: the checksum of bytes " + std::to_string(begin) + " on of " + std::to_string(body_.size()) +
-                      " of the body differs: the file is damaged");
+    throw FormatError(".vmat: the checksum of bytes " + std::to_string(begin) + " on of " +
+                      std::to_string(body_.size()) + " of the body differs: the file is damaged");
   }
   good_[block / 64].fetch_or(std::uint64_t{1} << (block % 64), std::memory_order_relaxed);
 }

@@ -69,7 +69,8 @@ std::string_view to_string(Origin origin) {
 std::span<const Codec> own_codecs() {
   static const std::vector<Codec> table = [] {
     std::vector<Codec> codecs(rows_alone.begin(), rows_alone.end());
-    for (const auto more : {zach_codecs(), gotsman_codecs()}) codecs.insert(codecs.end(), more.begin(), more.end());
+    for (const auto more : {zach_codecs(), gotsman_codecs()})
+      codecs.insert(codecs.end(), more.begin(), more.end());
     return codecs;
   }();
   return table;
@@ -86,7 +87,8 @@ const ObjectTree* tree_for(const Codec& codec, const SourceMap& source) {
   return tree ? &*tree : nullptr;
 }
 
-VisibilityMatrix decode(const Codec& codec, const Encoded& encoded, Shape shape, const Side& side, std::uint64_t most) {
+VisibilityMatrix decode(const Codec& codec, const Encoded& encoded, Shape shape, const Side& side,
+                        std::uint64_t most) {
   return codec.decode(Parts(encoded), shape, side, most);
 }
 

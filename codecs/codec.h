@@ -73,8 +73,9 @@ struct Codec {
   std::string_view contents;  // what the payload holds, for tables
   Origin origin = Origin::ours;
   Needs needs;
-  bool slow_encode = false;         // milliseconds for a matrix of a few dozen rows, seconds or minutes for a level's
-  bool searches = false;            // encode() goes on for EncodeOptions::seconds where these are given
+  bool slow_encode =
+      false;              // milliseconds for a matrix of a few dozen rows, seconds or minutes for a level's
+  bool searches = false;  // encode() goes on for EncodeOptions::seconds where these are given
   unsigned highest_effort = 0;      // of EncodeOptions::effort
   std::uint32_t rows_per_part = 1;  // rows that share their bytes, of a codec that gives rows
 

@@ -39,7 +39,8 @@ struct Layout {
 std::optional<Layout> layout_of(std::span<const std::byte> file) {
   if (file.size() < vmat::fixed_head_bytes) return std::nullopt;
   const std::uint64_t sections = load(file, vmat::fixed_head_bytes - 4);
-  const std::uint64_t head = vmat::fixed_head_bytes + sections * vmat::section_entry_bytes + vmat::head_sums_bytes;
+  const std::uint64_t head =
+      vmat::fixed_head_bytes + sections * vmat::section_entry_bytes + vmat::head_sums_bytes;
   if (head > file.size()) return std::nullopt;
   Layout layout{head, 0};
   ByteReader in(file, ".vmat");
@@ -86,11 +87,14 @@ ContainerHead::ContainerHead(std::span<const std::byte> file) {
   if (!vmat::begins_vmat(file)) in.fail("not a .vmat file: the magic number differs");
   in.skip(vmat::magic.size());
   if (const auto found = in.number<std::uint32_t>(); found != vmat::version) {
-    in.fail("version " + std::to_string(found) + "; this program reads version " + std::to_string(vmat::version) +
+    in.fail("version " + std::to_string(found) + "; this program reads version " +
+            std::to_string(vmat::version) +
             (found == 3 ? ": 'vismat decode' reads version 3, then encode again" : ""));
   }
   const auto layout = layout_of(file);
-  if (!layout) in.fail("the file has " + std::to_string(file.size()) + " bytes, not what its head tells: cut short or damaged");
+  if (!layout)
+    in.fail("the file has " + std::to_string(file.size()) +
+            " bytes, not what its head tells: cut short or damaged");
   if (crc32(file.first(layout->head - 4)) != load(file, layout->head - 4))
     in.fail("the head's checksum differs: the file is damaged");
 
@@ -109,7 +113,8 @@ ContainerHead::ContainerHead(std::span<const std::byte> file) {
   for (auto left = in.number<std::uint32_t>(); left > 0; --left) {
     const auto kind = in.number<std::uint32_t>();
     const auto size = in.number<std::uint64_t>();
-    if (kind <= last || !is_known(kind)) in.fail("section " + std::to_string(kind) + " is unknown or out of order");
+    if (kind <= last || !is_known(kind))
+      in.fail("section " + std::to_string(kind) + " is unknown or out of order");
     if (size == 0) in.fail("section " + std::to_string(kind) + " is empty");
     last = kind;
     sections_.emplace_back(Section(kind), body_.subspan(at, size));
@@ -145,7 +150,8 @@ std::vector<std::byte> write_container(const Container& container) {
   const SourceMap& source = container.source;
   check_source_map(source, container.shape);
   if (encoded.shared.size() > std::size_t(Section::last_shared) - std::size_t(Section::first_shared) + 1)
-    throw std::invalid_argument(std::to_string(encoded.shared.size()) + " shared sections are more than a file holds");
+    throw std::invalid_argument(std::to_string(encoded.shared.size()) +
+                                " shared sections are more than a file holds");
   std::vector<std::pair<Section, std::vector<std::byte>>> sections;
   const auto add = [&](Section kind, std::vector<std::byte> bytes) {
     if (!bytes.empty()) sections.emplace_back(kind, std::move(bytes));
@@ -154,7 +160,8 @@ std::vector<std::byte> write_container(const Container& container) {
   add(Section::facts, {facts.begin(), facts.end()});
   if (source.tree) add(Section::tree, tree_bytes(*source.tree, source.columns_are_nodes));
   if (source.row_tree) add(Section::row_tree, tree_bytes(*source.row_tree, false));
-  const bool shared = source.row_order && source.row_order == source.column_order && source.row_order->size() > 0;
+  const bool shared =
+      source.row_order && source.row_order == source.column_order && source.row_order->size() > 0;
   if (shared) {
     add(Section::shared_order, order_bytes(*source.row_order));
   } else {
@@ -177,7 +184,8 @@ std::vector<std::byte> write_container(const Container& container) {
   add(Section::index, encoded.index);
   add(Section::payload, encoded.payload);
   for (std::size_t i = 0; i < encoded.shared.size(); ++i) {
-    if (encoded.shared[i].empty()) throw std::invalid_argument("shared section " + std::to_string(i) + " is empty");
+    if (encoded.shared[i].empty())
+      throw std::invalid_argument("shared section " + std::to_string(i) + " is empty");
     add(Section(std::uint32_t(Section::first_shared) + i), encoded.shared[i]);
   }
 
@@ -187,7 +195,8 @@ std::vector<std::byte> write_container(const Container& container) {
   put(out, container.shape.rows);
   put(out, container.shape.columns);
   put(out, container.ones);
-  for (std::size_t i = 0; i < vmat::name_bytes; ++i) put(out, i < container.codec.size() ? container.codec[i] : '\0');
+  for (std::size_t i = 0; i < vmat::name_bytes; ++i)
+    put(out, i < container.codec.size() ? container.codec[i] : '\0');
   put(out, static_cast<std::uint32_t>(sections.size()));
   std::uint64_t body = 0;
   for (const auto& [kind, bytes] : sections) {
@@ -243,7 +252,8 @@ SourceMap read_source_map(const ContainerHead& head, const CheckedBytes& body) {
 std::optional<BoxSums> read_box_sums(const ContainerHead& head, const CheckedBytes& body) {
   const auto bytes = body.checked(head.section(Section::boxes));
   if (bytes.empty()) return std::nullopt;
-  if (bytes.size() != 8) throw FormatError("the checksums of boxes take 8 bytes, not " + std::to_string(bytes.size()));
+  if (bytes.size() != 8)
+    throw FormatError("the checksums of boxes take 8 bytes, not " + std::to_string(bytes.size()));
   return BoxSums{load(bytes, 0), load(bytes, 4)};
 }
 
@@ -253,7 +263,8 @@ std::vector<std::uint32_t> read_bands(const ContainerHead& head, const CheckedBy
 
 std::vector<std::span<const std::byte>> shared_sections(const ContainerHead& head) {
   std::vector<std::span<const std::byte>> shared;
-  for (auto kind = std::uint32_t(Section::first_shared); kind <= std::uint32_t(Section::last_shared); ++kind) {
+  for (auto kind = std::uint32_t(Section::first_shared); kind <= std::uint32_t(Section::last_shared);
+       ++kind) {
     const auto bytes = head.section(Section(kind));
     if (bytes.empty()) continue;
     if (kind != std::uint32_t(Section::first_shared) + shared.size())
@@ -276,15 +287,17 @@ Container read_container(std::span<const std::byte> bytes) {
   container.boxes = read_box_sums(head, body);
   Encoded& encoded = container.encoded;
   encoded.bands = read_bands(head, body);
-  const auto copy = [](std::span<const std::byte> from) { return std::vector<std::byte>(from.begin(), from.end()); };
+  const auto copy = [](std::span<const std::byte> from) {
+    return std::vector<std::byte>(from.begin(), from.end());
+  };
   encoded.index = copy(head.section(Section::index));
   encoded.payload = copy(head.section(Section::payload));
   for (const auto shared : shared_sections(head)) encoded.shared.push_back(copy(shared));
   return container;
 }
 
-Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap source, const EncodeOptions& options,
-                   const Side& boxes) {
+Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap source,
+                   const EncodeOptions& options, const Side& boxes) {
   Container container;
   container.shape = matrix.shape();
   container.ones = matrix.ones();

@@ -41,8 +41,8 @@ Container read_container(std::span<const std::byte> bytes);
 
 /// Encodes the matrix as it stands, over that tree of `source` which the codec needs and under the boxes of `side`, whose tree
 /// is not looked at; the container keeps `source`. Throws what the codec throws.
-Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap source = {}, const EncodeOptions& options = {},
-                   const Side& boxes = {});
+Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap source = {},
+                   const EncodeOptions& options = {}, const Side& boxes = {});
 /// The matrix as it stands in the file. `codec` must be the one that the container names; the boxes of `boxes` those that it was
 /// coded under, if it was under any. FormatError where they are not, or where the payload does not decode to the shape and
 /// number of ones that the container states.

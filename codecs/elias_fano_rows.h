@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "codecs/list_bits.h"
 #include "codecs/elias_fano.h"
+#include "codecs/list_bits.h"
 #include "codecs/row_codec.h"
 
 namespace vismat {

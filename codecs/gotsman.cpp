@@ -330,7 +330,8 @@ constexpr Codec method(std::string_view name, std::string_view contents, Origin 
 
 constexpr Codec context_method() {
   Codec codec = method<ContextTrits>(
-      "gotsman3-context", "of each of the node's objects which child sees it, range coded under contexts", Origin::ours);
+      "gotsman3-context", "of each of the node's objects which child sees it, range coded under contexts",
+      Origin::ours);
   codec.slow_encode = true;
   codec.highest_effort = 2;
   return codec;
@@ -339,7 +340,8 @@ constexpr Codec context_method() {
 constexpr std::array table = {
     method<WholeSets>("gotsman1", "both children's objects", Origin::paper),
     method<RelativeToParent>("gotsman2", "both children's objects, of the node's", Origin::paper),
-    method<RelativeToSibling>("gotsman3", "the first child's objects, of the node's; the second's, of the first's", Origin::paper),
+    method<RelativeToSibling>(
+        "gotsman3", "the first child's objects, of the node's; the second's, of the first's", Origin::paper),
     context_method(),
 };
 

@@ -39,7 +39,8 @@ std::optional<Permutation> order_from_bytes(std::span<const std::byte> bytes, st
   Steps steps(size);
   std::vector<std::uint32_t> way(size);
   for (std::uint32_t& place : way) place = steps.code(coder, 0);
-  auto order = inverse ? Permutation::from_new_of_old(std::move(way)) : Permutation::from_old_of_new(std::move(way));
+  auto order =
+      inverse ? Permutation::from_new_of_old(std::move(way)) : Permutation::from_old_of_new(std::move(way));
   if (!std::ranges::equal(order_bytes(order), bytes)) in.fail("another code than the writer's");
   return order;
 }

@@ -26,14 +26,17 @@ std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t> starts, s
   const std::size_t samples = out.size(), high = samples + layout.samples * layout.sample_bytes,
                     low = high + (layout.high_bits + 7) / 8;
   out.resize(low + layout.low_bytes);
-  const auto set = [&](std::size_t begin, std::uint64_t bit) { out[begin + bit / 8] |= std::byte{1} << (bit % 8); };
+  const auto set = [&](std::size_t begin, std::uint64_t bit) {
+    out[begin + bit / 8] |= std::byte{1} << (bit % 8);
+  };
   for (std::uint64_t i = 0; i <= parts; ++i) {
     const std::uint64_t start = i < parts ? starts[i] : payload_bytes;
     assert(start <= payload_bytes && (i == 0 || start >= starts[i - 1]));
     const std::uint64_t place = (start >> layout.low_bits) + i;
     set(high, place);
     if (i > 0 && i % PartIndex::sample_step == 0)
-      std::memcpy(out.data() + samples + (i / PartIndex::sample_step - 1) * layout.sample_bytes, &place, layout.sample_bytes);
+      std::memcpy(out.data() + samples + (i / PartIndex::sample_step - 1) * layout.sample_bytes, &place,
+                  layout.sample_bytes);
     for (unsigned b = 0; b < layout.low_bits; ++b) {
       if ((start >> b & 1) != 0) set(low, i * layout.low_bits + b);
     }
@@ -47,7 +50,8 @@ void PartIndex::open(std::span<const std::byte> head, std::span<const std::byte>
   parts_ = in.varint();
   if (in.offset() == index.size()) {
     if (parts_ > 0 && payload_bytes_ % parts_ != 0)
-      in.fail(std::to_string(payload_bytes_) + " bytes of payload are not " + std::to_string(parts_) + " equal parts");
+      in.fail(std::to_string(payload_bytes_) + " bytes of payload are not " + std::to_string(parts_) +
+              " equal parts");
     equal_bytes_ = parts_ == 0 ? 0 : payload_bytes_ / parts_;
     return;
   }

@@ -93,7 +93,8 @@ class PartIndex {
   // The word without its first `skip` ones, of which it has more: whole bytes at a time [Vigna 2008, broadword selection].
   static std::uint64_t from_one(std::uint64_t word, std::uint64_t ones, std::uint64_t skip) {
     constexpr std::uint64_t lowest = 0x0101010101010101, highest = 0x8080808080808080;
-    const std::uint64_t passed = ((skip * lowest | highest) - ones) & highest;  // bytes up to which there are no more than `skip`
+    const std::uint64_t passed =
+        ((skip * lowest | highest) - ones) & highest;  // bytes up to which there are no more than `skip`
     const auto bytes = static_cast<unsigned>((passed >> 7) * lowest >> 56);
     skip -= (ones << 8) >> (8 * bytes) & 0xff;
     word = word >> (8 * bytes) << (8 * bytes);
@@ -123,7 +124,9 @@ class PartIndex {
       ++index;
       return index % 8 == 0 ? first(touch) : word();
     }
-    std::uint64_t place(std::uint64_t bits) const { return 64 * index + static_cast<std::uint64_t>(std::countr_zero(bits)); }
+    std::uint64_t place(std::uint64_t bits) const {
+      return 64 * index + static_cast<std::uint64_t>(std::countr_zero(bits));
+    }
 
    private:
     std::uint64_t word() const { return 8 * index < high.size() ? word_at(high, 8 * index) : 0; }

@@ -13,7 +13,8 @@ Parts::Parts(const Encoded& encoded)
 }
 
 Parts::Parts(std::span<const std::byte> payload, std::span<const std::byte> index,
-             std::vector<std::span<const std::byte>> shared, std::vector<std::uint32_t> bands, const CheckedBytes& file)
+             std::vector<std::span<const std::byte>> shared, std::vector<std::uint32_t> bands,
+             const CheckedBytes& file)
     : file_(&file),
       payload_(payload),
       in_pieces_(!index.empty()),
@@ -24,8 +25,8 @@ Parts::Parts(std::span<const std::byte> payload, std::span<const std::byte> inde
 
 void Parts::expect(std::uint64_t parts) const {
   if (!in_pieces_ || count() != parts) {
-    throw FormatError("the index tells of " + std::to_string(in_pieces_ ? count() : 0) + " parts; there must be " +
-                      std::to_string(parts));
+    throw FormatError("the index tells of " + std::to_string(in_pieces_ ? count() : 0) +
+                      " parts; there must be " + std::to_string(parts));
   }
 }
 

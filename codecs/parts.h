@@ -30,7 +30,8 @@ class Parts {
   explicit Parts(const Encoded& encoded);
   /// The same from a file; reads the head of the index alone. An empty index means a payload in one piece.
   Parts(std::span<const std::byte> payload, std::span<const std::byte> index,
-        std::vector<std::span<const std::byte>> shared, std::vector<std::uint32_t> bands, const CheckedBytes& file);
+        std::vector<std::span<const std::byte>> shared, std::vector<std::uint32_t> bands,
+        const CheckedBytes& file);
 
   std::uint64_t count() const { return index_.parts(); }
   std::uint64_t payload_bytes() const { return payload_.size(); }

@@ -201,7 +201,8 @@ VisibilityMatrix jbig1_decode(Bytes payload, Shape shape) {
 
 constexpr std::array table = {
     whole_file_codec<zpaq_encode, zpaq_decode>("zpaq", "bitmap through zpaq -method 5", Origin::baseline),
-    whole_file_codec<jbig1_encode, jbig1_decode>("jbig1", "bitmap as an image through pbmtojbg -q", Origin::baseline),
+    whole_file_codec<jbig1_encode, jbig1_decode>("jbig1", "bitmap as an image through pbmtojbg -q",
+                                                 Origin::baseline),
 };
 
 bool on_path(const std::string& program) {

@@ -79,9 +79,15 @@ template <typename Rows>
 class RowsOf final : public RowSource {
  public:
   RowsOf(Rows rows, Parts parts) : rows_(std::move(rows)), parts_(std::move(parts)) {}
-  void read(std::uint32_t row, RowScratch& scratch, IdSink& sink) const override { decode(row, scratch, sink); }
-  void read(std::uint32_t row, RowScratch& scratch, RunSink& sink) const override { decode(row, scratch, sink); }
-  void read(std::uint32_t row, RowScratch& scratch, BitSink& sink) const override { decode(row, scratch, sink); }
+  void read(std::uint32_t row, RowScratch& scratch, IdSink& sink) const override {
+    decode(row, scratch, sink);
+  }
+  void read(std::uint32_t row, RowScratch& scratch, RunSink& sink) const override {
+    decode(row, scratch, sink);
+  }
+  void read(std::uint32_t row, RowScratch& scratch, BitSink& sink) const override {
+    decode(row, scratch, sink);
+  }
   Cost cost(std::uint32_t row) const override {
     if constexpr (requires { rows_.cost(row, parts_); })
       return rows_.cost(row, parts_);

@@ -71,7 +71,11 @@ struct RowReader::Open {
   std::unique_ptr<const RowSource> rows;
 
   Open(const std::filesystem::path& path, std::span<const Codec> codecs, const Side& boxes)
-      : mapping(path), name(path), head(mapping.bytes()), body(head.body(), head.sums()), codec(codec_of(head.codec, codecs)) {
+      : mapping(path),
+        name(path),
+        head(mapping.bytes()),
+        body(head.body(), head.sums()),
+        codec(codec_of(head.codec, codecs)) {
     open(boxes);
   }
   Open(std::span<const std::byte> bytes, std::span<const Codec> codecs, const Side& boxes)
@@ -81,12 +85,13 @@ struct RowReader::Open {
   void open(const Side& boxes) {
     if (codec.needs.tree != TreeOver::nothing) {
       const auto which = codec.needs.tree == TreeOver::rows ? vmat::Section::row_tree : vmat::Section::tree;
-      if (const auto bytes = body.checked(head.section(which)); !bytes.empty()) tree = tree_from_bytes(bytes).first;
+      if (const auto bytes = body.checked(head.section(which)); !bytes.empty())
+        tree = tree_from_bytes(bytes).first;
     }
     check_boxes(read_box_sums(head, body), boxes);
     const Side side{tree ? &*tree : nullptr, boxes.row_boxes, boxes.column_boxes};
-    Parts parts(head.section(vmat::Section::payload), head.section(vmat::Section::index), shared_sections(head),
-                read_bands(head, body), body);
+    Parts parts(head.section(vmat::Section::payload), head.section(vmat::Section::index),
+                shared_sections(head), read_bands(head, body), body);
     rows = codec.open(std::move(parts), head.shape, side);
   }
 

@@ -27,9 +27,11 @@ class RowReader {
   /// Reads files of those `codecs` that give rows alone; the table is not needed afterwards. `boxes`: of the rows and columns,
   /// for codecs that code under them; borrowed. Throws FormatError where it is no whole `.vmat` file of such a codec, or was
   /// coded under other boxes; std::runtime_error where it cannot be opened.
-  explicit RowReader(const std::filesystem::path& file, std::span<const Codec> codecs = own_codecs(), const Side& boxes = {});
+  explicit RowReader(const std::filesystem::path& file, std::span<const Codec> codecs = own_codecs(),
+                     const Side& boxes = {});
   /// The bytes of a file; they must outlive the reader.
-  explicit RowReader(std::span<const std::byte> bytes, std::span<const Codec> codecs = own_codecs(), const Side& boxes = {});
+  explicit RowReader(std::span<const std::byte> bytes, std::span<const Codec> codecs = own_codecs(),
+                     const Side& boxes = {});
   ~RowReader();
   RowReader(RowReader&&) noexcept;
   RowReader& operator=(RowReader&&) noexcept;

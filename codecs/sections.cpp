@@ -56,7 +56,8 @@ std::vector<std::byte> group_bytes(const Partition& groups) {
   const HuffmanCode code = HuffmanCode::from_frequencies(frequencies);
   std::vector<std::byte> out;
   put_varint(out, groups.size());
-  const auto order_code = sorted ? std::vector<std::byte>{} : order_bytes(Permutation::from_old_of_new(order));
+  const auto order_code =
+      sorted ? std::vector<std::byte>{} : order_bytes(Permutation::from_old_of_new(order));
   put_varint(out, order_code.size());
   out.insert(out.end(), order_code.begin(), order_code.end());
   code.write(out);
@@ -187,7 +188,8 @@ std::vector<std::string> names_from_bytes(std::span<const std::byte> bytes) {
     if (shared > name.size()) in.fail("a name begins like a longer one than the last");
     const auto rest = in.bytes(more);
     const auto* text = reinterpret_cast<const char*>(rest.data());
-    if (shared < name.size() && more > 0 && name[shared] == text[0]) in.fail("another code than the writer's");
+    if (shared < name.size() && more > 0 && name[shared] == text[0])
+      in.fail("another code than the writer's");
     name.resize(shared);
     name.append(text, more);
     if (name.size() > left) in.fail("names far longer than their bytes");
@@ -227,7 +229,8 @@ std::vector<ObjectLevel> levels_from_bytes(std::span<const std::byte> bytes) {
 std::vector<std::byte> band_bytes(std::span<const std::uint32_t> bands, std::uint32_t rows) {
   std::vector<std::byte> out;
   if (bands.empty()) return out;
-  if (bands[0] != 0 || bands.back() >= rows || std::ranges::adjacent_find(bands, std::ranges::greater_equal()) != bands.end())
+  if (bands[0] != 0 || bands.back() >= rows ||
+      std::ranges::adjacent_find(bands, std::ranges::greater_equal()) != bands.end())
     throw std::invalid_argument("bands must begin at row 0, ascend, and begin before the last row");
   put_varint(out, bands.size());
   for (std::size_t i = 1; i < bands.size(); ++i) put_varint(out, bands[i] - bands[i - 1]);

@@ -49,7 +49,8 @@ class Marker {
 };
 
 // `part` becomes those of the whole whose bit is 1.
-void take_marked(std::span<const std::uint32_t> whole, std::span<const std::uint8_t> bits, std::vector<std::uint32_t>& part) {
+void take_marked(std::span<const std::uint32_t> whole, std::span<const std::uint8_t> bits,
+                 std::vector<std::uint32_t>& part) {
   part.resize(whole.size());
   std::size_t count = 0;
   for (std::size_t p = 0; p < whole.size(); ++p) {
@@ -66,8 +67,8 @@ std::string too_many_bits(std::size_t children, std::size_t members, std::size_t
       std::size_t{1} << 31, (std::size_t{1} << 26) + std::min<std::size_t>(part_bytes, 1 << 20) * 4096);
   if (members == 0 || children <= most / members) return {};
   return std::to_string(children) + " children over a set of " + std::to_string(members) +
-         " are too many for one node; a part of " + std::to_string(part_bytes) + " bytes may have " + std::to_string(most) +
-         " pairs at most";
+         " are too many for one node; a part of " + std::to_string(part_bytes) + " bytes may have " +
+         std::to_string(most) + " pairs at most";
 }
 
 void everything(std::uint32_t universe, std::vector<std::uint32_t>& all) {
@@ -190,7 +191,8 @@ void for_each_node(const SetsOfNodes& sets, const ObjectTree& tree, bool history
     bits.set = &set;
     bits.children = static_cast<std::uint32_t>(children);
     bits.members = static_cast<std::uint32_t>(set.members.size());
-    if (const std::string wrong = too_many_bits(children, set.members.size(), ~std::size_t{0}); !wrong.empty())
+    if (const std::string wrong = too_many_bits(children, set.members.size(), ~std::size_t{0});
+        !wrong.empty())
       throw std::invalid_argument(wrong);
     bits.bits.resize(children * set.members.size());
     marker.begin(set.members);
@@ -291,7 +293,8 @@ Encoded encode_over_tree(NodeCoder& coder, TreeOver over, const VisibilityMatrix
   const SetsOfNodes sets(over, matrix, tree);
   const std::uint64_t passes = coder.learns() ? 2 : 1, total = passes * tree.size();
   const auto tell = [&](std::uint64_t pass, const ChildBits& node) {
-    if (options.progress && node.set->node % 64 == 0) options.progress(pass * tree.size() + node.set->node, total);
+    if (options.progress && node.set->node % 64 == 0)
+      options.progress(pass * tree.size() + node.set->node, total);
   };
   if (coder.learns()) {
     std::uint64_t members = 0;
@@ -310,13 +313,16 @@ Encoded encode_over_tree(NodeCoder& coder, TreeOver over, const VisibilityMatrix
   for_each_node(sets, tree, coder.wants_history(), [&](const ChildBits& node) {
     starts.push_back(out.payload.size());
     coder.encode(node, out.payload);
-    if (const std::string wrong = too_many_bits(node.children, node.members, out.payload.size() - starts.back()); !wrong.empty())
+    if (const std::string wrong =
+            too_many_bits(node.children, node.members, out.payload.size() - starts.back());
+        !wrong.empty())
       throw std::invalid_argument(wrong);
     tell(passes - 1, node);
   });
   if (!backed(sets.universe(), tree, out.payload.size())) {
-    throw std::invalid_argument(std::to_string(sets.universe()) + " rows or columns in " + std::to_string(out.payload.size()) +
-                                " bytes over a tree of " + std::to_string(tree.size()) + " nodes; readers refuse so many in so few");
+    throw std::invalid_argument(std::to_string(sets.universe()) + " rows or columns in " +
+                                std::to_string(out.payload.size()) + " bytes over a tree of " +
+                                std::to_string(tree.size()) + " nodes; readers refuse so many in so few");
   }
   out.index = part_index_bytes(starts, out.payload.size());
   if (options.progress) options.progress(total, total);
@@ -337,7 +343,8 @@ namespace {
 
 std::unique_ptr<NodeCoder> coder_of(const Codec& codec) {
   if (codec.node_coder == nullptr)
-    throw std::invalid_argument(std::string(codec.name) + " is no codec over a tree; it cannot read single nodes");
+    throw std::invalid_argument(std::string(codec.name) +
+                                " is no codec over a tree; it cannot read single nodes");
   return codec.node_coder();
 }
 
@@ -346,13 +353,16 @@ std::unique_ptr<NodeCoder> coder_of(const Codec& codec) {
 NodeReader::NodeReader(const Codec& codec, Parts parts, Shape shape, const ObjectTree& tree)
     : NodeReader(coder_of(codec), codec.needs.tree, std::move(parts), shape, tree) {}
 
-NodeReader::NodeReader(std::unique_ptr<NodeCoder> coder, TreeOver over, Parts parts, Shape shape, const ObjectTree& tree)
+NodeReader::NodeReader(std::unique_ptr<NodeCoder> coder, TreeOver over, Parts parts, Shape shape,
+                       const ObjectTree& tree)
     : tree_(&tree), coder_(std::move(coder)), parts_(std::move(parts)), part_of_node_(tree.size(), no_part) {
   if (const std::string wrong = misfit(over, tree, shape); !wrong.empty()) throw FormatError(wrong);
   universe_ = over == TreeOver::columns ? shape.rows : shape.columns;
   if (!backed(universe_, tree, parts_.payload_bytes())) {
-    throw FormatError("claims " + std::to_string(universe_) + (over == TreeOver::columns ? " rows" : " columns") + " for " +
-                      std::to_string(parts_.payload_bytes()) + " bytes over a tree of " + std::to_string(tree.size()) + " nodes");
+    throw FormatError("claims " + std::to_string(universe_) +
+                      (over == TreeOver::columns ? " rows" : " columns") + " for " +
+                      std::to_string(parts_.payload_bytes()) + " bytes over a tree of " +
+                      std::to_string(tree.size()) + " nodes");
   }
   leafs_of_node_ = leafs_of_nodes(tree);
   if (over == TreeOver::rows) {
@@ -415,8 +425,8 @@ void NodeReader::read_children(const NodeSet& set, ChildBits& bits) const {
   }
 }
 
-void NodeReader::take_child(const NodeSet& set, const ChildBits& bits, std::uint32_t child, std::uint32_t node, NodeSet& out,
-                            std::vector<std::uint32_t>& kind_of) const {
+void NodeReader::take_child(const NodeSet& set, const ChildBits& bits, std::uint32_t child,
+                            std::uint32_t node, NodeSet& out, std::vector<std::uint32_t>& kind_of) const {
   out.node = node;
   take_marked(set.members, bits.child(child), out.members);
   out.history.clear();
@@ -514,13 +524,14 @@ class RowsOverTree final : public RowSource {
 
 }  // namespace
 
-std::unique_ptr<const RowSource> open_over_tree(std::unique_ptr<NodeCoder> coder, Parts parts, Shape shape, const Side& side) {
+std::unique_ptr<const RowSource> open_over_tree(std::unique_ptr<NodeCoder> coder, Parts parts, Shape shape,
+                                                const Side& side) {
   return std::make_unique<RowsOverTree>(std::move(coder), std::move(parts), shape, tree_of(side));
 }
 
 // From the root down, each set once: by rows alone, those near the root would be read again and again.
-VisibilityMatrix decode_over_tree(std::unique_ptr<NodeCoder> coder, TreeOver over, const Parts& parts, Shape shape,
-                                  const Side& side, std::uint64_t most) {
+VisibilityMatrix decode_over_tree(std::unique_ptr<NodeCoder> coder, TreeOver over, const Parts& parts,
+                                  Shape shape, const Side& side, std::uint64_t most) {
   const ObjectTree& tree = tree_of(side);
   const NodeReader reader(std::move(coder), over, parts, shape, tree);
   const bool over_rows = over == TreeOver::rows;

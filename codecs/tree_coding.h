@@ -77,7 +77,8 @@ Encoded encode_over_tree(NodeCoder& coder, TreeOver over, const VisibilityMatrix
                          const EncodeOptions& options);
 
 /// For the tables: zeros where the codec codes no lengths. Throws as its encode does.
-LengthStatistics length_statistics(const Codec& codec, const VisibilityMatrix& matrix, const ObjectTree* tree);
+LengthStatistics length_statistics(const Codec& codec, const VisibilityMatrix& matrix,
+                                   const ObjectTree* tree);
 
 /// The sets on the way from the root to the node asked for last, and what decoding them takes. A caller's own, one a thread;
 /// any reader may use it.
@@ -101,7 +102,8 @@ class NodeReader {
   /// Of a codec over a tree. Borrows the bytes and the tree. Reads the model, O(nodes). Throws FormatError as Codec::decode does,
   /// std::invalid_argument for another codec.
   NodeReader(const Codec& codec, Parts parts, Shape shape, const ObjectTree& tree);
-  NodeReader(std::unique_ptr<NodeCoder> coder, TreeOver over, Parts parts, Shape shape, const ObjectTree& tree);
+  NodeReader(std::unique_ptr<NodeCoder> coder, TreeOver over, Parts parts, Shape shape,
+             const ObjectTree& tree);
   /// O(rows) over a tree of columns, else O(columns).
   NodeSet root() const;
   /// The sets of the node's children, given its own. Reads this node's part alone: O(children * members).
@@ -126,8 +128,8 @@ class NodeReader {
   static constexpr std::uint32_t no_part = 0xffffffff;
   void read_root(NodeSet& root, ChildBits& bits) const;
   void read_children(const NodeSet& set, ChildBits& bits) const;
-  void take_child(const NodeSet& set, const ChildBits& bits, std::uint32_t child, std::uint32_t node, NodeSet& out,
-                  std::vector<std::uint32_t>& kind_of) const;
+  void take_child(const NodeSet& set, const ChildBits& bits, std::uint32_t child, std::uint32_t node,
+                  NodeSet& out, std::vector<std::uint32_t>& kind_of) const;
   std::shared_ptr<const void> self_ = std::make_shared<char>();  // what a NodePath knows this reader by
   std::uint32_t universe_ = 0;
   const ObjectTree* tree_;
@@ -138,10 +140,11 @@ class NodeReader {
   std::vector<std::uint32_t> part_of_node_, leafs_of_node_, node_of_row_;
 };
 
-VisibilityMatrix decode_over_tree(std::unique_ptr<NodeCoder> coder, TreeOver over, const Parts& parts, Shape shape,
-                                  const Side& side, std::uint64_t most);
+VisibilityMatrix decode_over_tree(std::unique_ptr<NodeCoder> coder, TreeOver over, const Parts& parts,
+                                  Shape shape, const Side& side, std::uint64_t most);
 /// Rows of a payload over a tree of rows: each by the way down to its leaf.
-std::unique_ptr<const RowSource> open_over_tree(std::unique_ptr<NodeCoder> coder, Parts parts, Shape shape, const Side& side);
+std::unique_ptr<const RowSource> open_over_tree(std::unique_ptr<NodeCoder> coder, Parts parts, Shape shape,
+                                                const Side& side);
 
 /// A line of the table for a method, which is a NodeCoder.
 template <typename Coder, TreeOver over>

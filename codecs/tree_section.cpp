@@ -48,7 +48,8 @@ class Parents {
   };
   Numbering numbering_;
   std::vector<std::uint32_t> parents_;
-  std::vector<Open> open_;  // nodes that wait for children; by branches a stack, by levels a queue from first_ on
+  std::vector<Open>
+      open_;  // nodes that wait for children; by branches a stack, by levels a queue from first_ on
   std::size_t first_ = 0;
 };
 
@@ -71,7 +72,8 @@ Numbering numbering_of(const ObjectTree& tree) {
 
 // Parents of `size` nodes; a writer's are those of the tree.
 template <typename Coder>
-std::vector<std::uint32_t> code_parents(Coder& coder, Numbering numbering, std::uint32_t size, const ObjectTree* tree) {
+std::vector<std::uint32_t> code_parents(Coder& coder, Numbering numbering, std::uint32_t size,
+                                        const ObjectTree* tree) {
   if (numbering == Numbering::any) {
     std::array<AdaptiveNumber, 4> back;
     std::vector<std::uint32_t> parents;
@@ -82,32 +84,36 @@ std::vector<std::uint32_t> code_parents(Coder& coder, Numbering numbering, std::
         continue;
       }
       const std::uint32_t step = back[last].code(coder, Coder::reads ? 0 : n - 1 - tree->parent_of_node()[n]);
-      if (step >= n) throw FormatError("tree section: node " + std::to_string(n) + " has its parent before the root");
+      if (step >= n)
+        throw FormatError("tree section: node " + std::to_string(n) + " has its parent before the root");
       parents.push_back(n - 1 - step);
       last = std::min(static_cast<unsigned>(std::bit_width(step)), 3u);
     }
     return parents;
   }
-  std::array<std::array<AdaptiveNumber, 4>, 4> counts;  // after the parent's number of children, and the last node's
+  std::array<std::array<AdaptiveNumber, 4>, 4>
+      counts;  // after the parent's number of children, and the last node's
   Parents parents(numbering, size);
   std::vector<std::uint8_t> kind(size);  // number of children, 3 for more
   unsigned last = 0;
   for (std::uint32_t n = 0; n < size; ++n) {
-    if (!parents.waits()) throw FormatError("tree section: no node is the parent of node " + std::to_string(n));
+    if (!parents.waits())
+      throw FormatError("tree section: no node is the parent of node " + std::to_string(n));
     const unsigned above = n == 0 ? 0 : kind[parents.next()];
-    const std::uint32_t children =
-        counts[above][last].code(coder, Coder::reads ? 0 : static_cast<std::uint32_t>(tree->children(n).size()));
+    const std::uint32_t children = counts[above][last].code(
+        coder, Coder::reads ? 0 : static_cast<std::uint32_t>(tree->children(n).size()));
     parents.add(children);
     kind[n] = static_cast<std::uint8_t>(last = std::min(children, 3u));
   }
-  if (size > 0 && parents.waits()) throw FormatError("tree section: some node has more children than there are nodes");
+  if (size > 0 && parents.waits())
+    throw FormatError("tree section: some node has more children than there are nodes");
   return parents.parents();
 }
 
 // Objects of the nodes; `has_children` of each.
 template <typename Coder>
-std::vector<std::uint32_t> code_objects(Coder& coder, const std::vector<bool>& has_children, std::uint32_t object_count,
-                                        std::span<const std::uint32_t> objects) {
+std::vector<std::uint32_t> code_objects(Coder& coder, const std::vector<bool>& has_children,
+                                        std::uint32_t object_count, std::span<const std::uint32_t> objects) {
   constexpr std::uint32_t unseen = 0xffffffff;
   std::array<AdaptiveBit, 2> holds;
   std::array<AdaptiveBit, 2> is_new;
@@ -142,7 +148,8 @@ std::vector<std::uint32_t> code_objects(Coder& coder, const std::vector<bool>& h
 
 std::vector<std::byte> tree_bytes(const ObjectTree& tree, bool nodes) {
   const Numbering numbering = numbering_of(tree);
-  std::vector<std::byte> out = {static_cast<std::byte>(std::uint8_t(numbering) | (nodes ? columns_are_nodes : 0))};
+  std::vector<std::byte> out = {
+      static_cast<std::byte>(std::uint8_t(numbering) | (nodes ? columns_are_nodes : 0))};
   put_varint(out, tree.object_count());
   put_varint(out, tree.size());
   const std::size_t begin = out.size();
@@ -178,7 +185,8 @@ std::pair<ObjectTree, bool> tree_from_bytes(std::span<const std::byte> bytes) {
   }
   auto held = code_objects(coder, has_children, static_cast<std::uint32_t>(objects), {});
   try {
-    auto tree = ObjectTree::from_parents(std::move(parents), std::move(held), static_cast<std::uint32_t>(objects));
+    auto tree =
+        ObjectTree::from_parents(std::move(parents), std::move(held), static_cast<std::uint32_t>(objects));
     if (!std::ranges::equal(tree_bytes(tree, nodes), bytes)) in.fail("another code than the writer's");
     return {std::move(tree), nodes};
   } catch (const std::invalid_argument& error) {

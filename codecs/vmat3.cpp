@@ -23,7 +23,19 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-enum { facts, tree, row_tree, row_order, column_order, row_groups, column_groups, boundaries, index, payload, sections };
+enum {
+  facts,
+  tree,
+  row_tree,
+  row_order,
+  column_order,
+  row_groups,
+  column_groups,
+  boundaries,
+  index,
+  payload,
+  sections
+};
 constexpr std::size_t head_bytes = 148;
 constexpr std::uint64_t block_bytes = 4096;
 
@@ -112,7 +124,8 @@ std::optional<ObjectTree> tree_of(Bytes bytes) {
 std::optional<Permutation> order_of(Bytes bytes, std::uint32_t size) {
   if (bytes.empty()) return std::nullopt;
   if (bytes.size() != (std::uint64_t{size} * place_bits(size) + 7) / 8)
-    throw FormatError("an order of " + std::to_string(bytes.size()) + " bytes for " + std::to_string(size) + " places");
+    throw FormatError("an order of " + std::to_string(bytes.size()) + " bytes for " + std::to_string(size) +
+                      " places");
   BitReader bits(bytes);
   std::vector<std::uint32_t> map(size);
   for (std::uint32_t& place : map) place = bits.get(place_bits(size));
@@ -205,9 +218,11 @@ std::vector<std::byte> index_of(const Codec& codec, const File& file, Shape shap
     return {};
   }
   const std::uint64_t parts = (std::uint64_t{shape.rows} + codec.rows_per_part - 1) / codec.rows_per_part;
-  if (!file.section[index].empty()) return part_index_bytes(starts_of_rows(file.section[index], parts, bytes), bytes);
+  if (!file.section[index].empty())
+    return part_index_bytes(starts_of_rows(file.section[index], parts, bytes), bytes);
   if (parts == 0 ? bytes != 0 : bytes % parts != 0)
-    throw FormatError("no row index, and " + std::to_string(bytes) + " bytes are not " + std::to_string(parts) + " equal parts");
+    throw FormatError("no row index, and " + std::to_string(bytes) + " bytes are not " +
+                      std::to_string(parts) + " equal parts");
   if (bytes == 0) claimed_shape(shape.rows, 0, 0);  // rows that no byte backs
   std::vector<std::uint64_t> starts(parts);
   for (std::uint64_t i = 0; i < parts; ++i) starts[i] = i * (bytes / parts);
@@ -223,8 +238,11 @@ bool is_vmat3(Bytes file) {
 void seal_vmat3(std::span<std::byte> bytes) {
   const auto file = file_of(bytes);
   if (!file) return;
-  const auto store = [&](std::size_t at, std::uint32_t value) { std::memcpy(bytes.data() + at, &value, sizeof value); };
-  for (std::uint64_t b = 0; b < file->sums.size() / 4; ++b) store(head_bytes + 4 * b, block_sum(file->body, b));
+  const auto store = [&](std::size_t at, std::uint32_t value) {
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+  };
+  for (std::uint64_t b = 0; b < file->sums.size() / 4; ++b)
+    store(head_bytes + 4 * b, block_sum(file->body, b));
   store(head_bytes - 8, crc32(file->sums));
   store(head_bytes - 4, crc32(bytes.first(head_bytes - 4)));
 }
@@ -233,8 +251,11 @@ Container read_vmat3(Bytes bytes, std::span<const Codec> codecs) {
   ByteReader in(bytes, ".vmat, version 3");
   if (!is_vmat3(bytes)) in.fail("not a .vmat file of version 3");
   const auto file = file_of(bytes);
-  if (!file) in.fail("the file has " + std::to_string(bytes.size()) + " bytes, not what its head tells: cut short or damaged");
-  if (crc32(bytes.first(head_bytes - 4)) != load(bytes, head_bytes - 4) || crc32(file->sums) != load(bytes, head_bytes - 8))
+  if (!file)
+    in.fail("the file has " + std::to_string(bytes.size()) +
+            " bytes, not what its head tells: cut short or damaged");
+  if (crc32(bytes.first(head_bytes - 4)) != load(bytes, head_bytes - 4) ||
+      crc32(file->sums) != load(bytes, head_bytes - 8))
     in.fail("the head's checksum differs: the file is damaged");
   for (std::uint64_t b = 0; b < file->sums.size() / 4; ++b) {
     if (block_sum(file->body, b) != load(file->sums, 4 * b))
@@ -249,7 +270,8 @@ Container read_vmat3(Bytes bytes, std::span<const Codec> codecs) {
   if (container.ones > std::uint64_t{rows} * columns) in.fail("more ones than the matrix has places");
   container.codec = text(in.bytes(32));
   const std::size_t name_end = std::min(container.codec.find('\0'), container.codec.size());
-  if (container.codec.find_first_not_of('\0', name_end) != std::string::npos) in.fail("bytes behind the codec's name");
+  if (container.codec.find_first_not_of('\0', name_end) != std::string::npos)
+    in.fail("bytes behind the codec's name");
   container.codec.resize(name_end);
   const Codec* const codec = codec_named(container.codec, codecs);
   if (codec == nullptr) in.fail("codec '" + container.codec + "' is unknown here");
@@ -271,7 +293,10 @@ Container read_vmat3(Bytes bytes, std::span<const Codec> codecs) {
   source.boundaries = boundaries_from_bytes(file->section[boundaries], rows);
   // Codecs over a tree of columns take its nodes for the columns, whether the facts say so or not.
   if (codec->needs.tree == TreeOver::columns) source.columns_are_nodes = true;
-  made("source map", [&] { check_source_map(source, container.shape); return 0; });
+  made("source map", [&] {
+    check_source_map(source, container.shape);
+    return 0;
+  });
   container.encoded.payload.assign(file->section[payload].begin(), file->section[payload].end());
   container.encoded.index = index_of(*codec, *file, container.shape);
   return container;

@@ -15,7 +15,9 @@ constexpr Codec whole_file_codec(std::string_view name, std::string_view content
   codec.name = name;
   codec.contents = contents;
   codec.origin = origin;
-  codec.encode = [](const VisibilityMatrix& matrix, const Side&, const EncodeOptions&) { return encode_all(matrix); };
+  codec.encode = [](const VisibilityMatrix& matrix, const Side&, const EncodeOptions&) {
+    return encode_all(matrix);
+  };
   codec.decode = [](const Parts& parts, Shape shape, const Side&, std::uint64_t most) {
     VisibilityMatrix matrix = decode_all(parts.whole(), shape);
     if (matrix.ones() > most) throw FormatError("more ones than the file states");

@@ -360,10 +360,10 @@ constexpr std::array table = {
     method<PlainBits>("zach0", "children's bits in the parent's cells"),
     method<AllIntersected>("zach1", "intersection of all children, bits outside it"),
     method<SomeIntersected>("zach2", "intersection of a chosen subset, subset masks, bits outside it"),
-    method<HuffmanLengths<AlternatingRuns>>("zach3-huffman",
-                                            "run lengths, a Huffman code each for runs of zeros and of ones", true),
-    method<RangeLengths<AlternatingRuns>>("zach3-range",
-                                          "run lengths, range coded, frequencies each for runs of zeros and of ones", true),
+    method<HuffmanLengths<AlternatingRuns>>(
+        "zach3-huffman", "run lengths, a Huffman code each for runs of zeros and of ones", true),
+    method<RangeLengths<AlternatingRuns>>(
+        "zach3-range", "run lengths, range coded, frequencies each for runs of zeros and of ones", true),
     method<HuffmanLengths<OnesBeforeZeros>>("zach4-huffman", "ones before each zero, one Huffman code", true),
     method<RangeLengths<OnesBeforeZeros>>("zach4-range", "ones before each zero, range coded", true),
 };

@@ -463,7 +463,8 @@ std::vector<ObjectLevel> read_levels(const Hdf5File& file) {
   const std::string name = column_levels_array;
   if (!file.contains(name)) return {};
   const auto dimensions = file.dimensions(name);
-  if (dimensions.size() != 2 || dimensions[1] != 2) fail(name, "must have dimensions [columns of the source, 2]");
+  if (dimensions.size() != 2 || dimensions[1] != 2)
+    fail(name, "must have dimensions [columns of the source, 2]");
   const std::vector<std::uint32_t> numbers = file.read<std::uint32_t>(name);
   std::vector<ObjectLevel> levels(numbers.size() / 2);
   for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = {numbers[2 * i], numbers[2 * i + 1]};

@@ -161,7 +161,8 @@ Dataset in_source_order(Dataset dataset) {
   const SourceMap& source = dataset.source;
   const bool moves_rows = source.row_order && source.boundaries.empty();
   const Permutation row_back = moves_rows ? source.row_order->inverse() : Permutation::identity(rows),
-                    column_back = source.column_order ? source.column_order->inverse() : Permutation::identity(columns);
+                    column_back =
+                        source.column_order ? source.column_order->inverse() : Permutation::identity(columns);
   dataset = reordered(std::move(dataset), row_back, column_back);
   if (moves_rows) dataset.source.row_order.reset();
   dataset.source.column_order.reset();

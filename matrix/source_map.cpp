@@ -8,7 +8,8 @@
 namespace vismat {
 namespace {
 
-ObjectTree with_objects(const ObjectTree& tree, std::span<const std::uint32_t> new_of_old, std::uint32_t count) {
+ObjectTree with_objects(const ObjectTree& tree, std::span<const std::uint32_t> new_of_old,
+                        std::uint32_t count) {
   std::vector<std::uint32_t> parents(tree.parent_of_node().begin(), tree.parent_of_node().end());
   std::vector<std::uint32_t> objects(tree.object_of_node().begin(), tree.object_of_node().end());
   for (std::uint32_t& object : objects) {
@@ -32,7 +33,8 @@ Permutation followed_by(const std::optional<Permutation>& first, const Permutati
   return Permutation::from_new_of_old(std::move(map));
 }
 
-void put_in_order(std::optional<Partition>& groups, std::optional<Permutation>& order, const Permutation& then) {
+void put_in_order(std::optional<Partition>& groups, std::optional<Permutation>& order,
+                  const Permutation& then) {
   if (groups)
     groups = renumbered(*groups, then);
   else if (order || !then.is_identity())
@@ -41,12 +43,13 @@ void put_in_order(std::optional<Partition>& groups, std::optional<Permutation>& 
 
 void need(const char* member, std::uint64_t has, const char* of, std::uint64_t wanted, const char* counted) {
   if (has == wanted) return;
-  throw std::invalid_argument(std::string(member) + ": has " + std::to_string(has) + " " + of + ", but there are " +
-                              std::to_string(wanted) + " " + counted);
+  throw std::invalid_argument(std::string(member) + ": has " + std::to_string(has) + " " + of +
+                              ", but there are " + std::to_string(wanted) + " " + counted);
 }
 
-void check_side(const std::optional<Permutation>& order, const std::optional<Partition>& groups, std::uint32_t count,
-                const char* order_member, const char* groups_member, const char* counted) {
+void check_side(const std::optional<Permutation>& order, const std::optional<Partition>& groups,
+                std::uint32_t count, const char* order_member, const char* groups_member,
+                const char* counted) {
   if (order && groups)
     throw std::invalid_argument(std::string(groups_member) + ": stand beside " + order_member +
                                 "; the groups tell the order too");
@@ -54,10 +57,12 @@ void check_side(const std::optional<Permutation>& order, const std::optional<Par
   if (groups) need(groups_member, groups->groups(), "groups", count, counted);
 }
 
-void check_names(const std::vector<std::string>& names, std::uint32_t count, const char* member, const char* counted) {
+void check_names(const std::vector<std::string>& names, std::uint32_t count, const char* member,
+                 const char* counted) {
   if (names.empty()) return;
   need(member, names.size(), "names", count, counted);
-  const auto bad = std::ranges::find_if(names, [](const std::string& n) { return n.find('\0') != std::string::npos; });
+  const auto bad =
+      std::ranges::find_if(names, [](const std::string& n) { return n.find('\0') != std::string::npos; });
   if (bad != names.end())
     throw std::invalid_argument(std::string(member) + ": name " + std::to_string(bad - names.begin()) +
                                 " holds a zero byte");
@@ -73,7 +78,8 @@ std::uint32_t SourceMap::rows_of(Shape shape) const {
 }
 
 Shape SourceMap::source_shape(Shape shape) const {
-  return {row_groups ? row_groups->size() : rows_of(shape), column_groups ? column_groups->size() : shape.columns};
+  return {row_groups ? row_groups->size() : rows_of(shape),
+          column_groups ? column_groups->size() : shape.columns};
 }
 
 void check_source_map(const SourceMap& map, Shape shape) {
@@ -93,7 +99,8 @@ void check_source_map(const SourceMap& map, Shape shape) {
   if (map.columns_are_nodes && !map.tree)
     throw std::invalid_argument("tree: is missing, though the columns are said to be its nodes");
   if (map.tree && map.columns_are_nodes) need("tree", map.tree->size(), "nodes", columns, "columns");
-  if (map.tree && !map.columns_are_nodes) need("tree", map.tree->object_count(), "objects", columns, "columns");
+  if (map.tree && !map.columns_are_nodes)
+    need("tree", map.tree->object_count(), "objects", columns, "columns");
   const Shape source = map.source_shape(shape);
   check_names(map.row_names, source.rows, "row_names", "rows of the source");
   check_names(map.column_names, source.columns, "column_names", "columns of the source");
@@ -116,13 +123,15 @@ SourceMap reordered(SourceMap map, const Permutation& rows, const Permutation& c
       map.tree = with_objects(*map.tree, columns.new_of_old(), columns.size());
     map.columns_are_nodes = false;
   }
-  if (map.row_tree && !rows.is_identity()) map.row_tree = with_objects(*map.row_tree, rows.new_of_old(), rows.size());
+  if (map.row_tree && !rows.is_identity())
+    map.row_tree = with_objects(*map.row_tree, rows.new_of_old(), rows.size());
   if (map.boundaries.empty()) put_in_order(map.row_groups, map.row_order, rows);
   put_in_order(map.column_groups, map.column_order, columns);
   return map;
 }
 
-SourceMap merged(SourceMap map, const std::optional<Partition>& rows, const std::optional<Partition>& columns) {
+SourceMap merged(SourceMap map, const std::optional<Partition>& rows,
+                 const std::optional<Partition>& columns) {
   assert(map.boundaries.empty());
   if (rows) {
     map.row_groups = from_source(map.row_groups, map.row_order, *rows);

@@ -59,7 +59,8 @@ void check_source_map(const SourceMap& map, Shape shape);
 SourceMap reordered(SourceMap map, const Permutation& rows, const Permutation& columns);
 /// The map of the matrix whose rows or columns are merged into groups. Needs a map without boundaries. A tree over merged
 /// rows, or whose nodes are merged columns, is left out; the objects in a tree over merged columns follow.
-SourceMap merged(SourceMap map, const std::optional<Partition>& rows, const std::optional<Partition>& columns);
+SourceMap merged(SourceMap map, const std::optional<Partition>& rows,
+                 const std::optional<Partition>& columns);
 /// The map of the same matrix over the nodes of its tree instead of its objects. What is said of objects cannot follow.
 SourceMap over_nodes(SourceMap map);
 

@@ -17,7 +17,8 @@ Dataset distinct(Dataset data, bool columns_too) {
   std::optional<Partition> rows, columns;
   if (auto groups = equal_rows(data.matrix); groups.groups() < groups.size()) rows = std::move(groups);
   if (columns_too) {
-    if (auto groups = equal_rows(transpose(data.matrix)); groups.groups() < groups.size()) columns = std::move(groups);
+    if (auto groups = equal_rows(transpose(data.matrix)); groups.groups() < groups.size())
+      columns = std::move(groups);
   }
   if (!rows && !columns) return data;
   const Guarantee guarantee = data.guarantee;
@@ -32,12 +33,15 @@ std::string obstacle(const Codec& codec, const Dataset& data) {
   const SourceMap& source = data.source;
   if (codec.needs.tree == TreeOver::columns) {
     if (!source.tree) return "this codec needs a tree over the columns; make one with 'vismat tree'";
-    if (!source.boundaries.empty()) return "holds differences, which are not monotone over a tree of columns; encode the cells";
+    if (!source.boundaries.empty())
+      return "holds differences, which are not monotone over a tree of columns; encode the cells";
   }
   if (codec.needs.tree == TreeOver::rows) {
-    if (!source.boundaries.empty()) return "holds differences, which no tree over the view cells has for rows; encode the cells";
+    if (!source.boundaries.empty())
+      return "holds differences, which no tree over the view cells has for rows; encode the cells";
     if (!source.row_tree && data.row_bounds.empty())
-      return "has no tree over its rows and no boxes to make one from; see 'vismat tree --side rows --by sets'";
+      return "has no tree over its rows and no boxes to make one from; see 'vismat tree --side rows --by "
+             "sets'";
   }
   if (codec.needs.boxes && (data.row_bounds.empty() || data.column_bounds.empty()))
     return "has no boxes of its rows and columns, under which this codec codes";
@@ -48,9 +52,11 @@ Dataset prepared_for(const Codec& codec, Dataset data, const PrepareOptions& opt
   if (const std::string why = obstacle(codec, data); !why.empty()) throw std::invalid_argument(why);
   const Needs& needs = codec.needs;
   if (needs.tree == TreeOver::columns && !data.source.columns_are_nodes) data = over_nodes(data);
-  const bool columns_move = !data.source.columns_are_nodes;  // nodes keep the numbers that their tree gives them
+  const bool columns_move =
+      !data.source.columns_are_nodes;  // nodes keep the numbers that their tree gives them
   if (needs.distinct) data = distinct(std::move(data), columns_move);
-  if (needs.tree == TreeOver::rows && !data.source.row_tree) data.source.row_tree = bounding_volume_tree(data.row_bounds, 2);
+  if (needs.tree == TreeOver::rows && !data.source.row_tree)
+    data.source.row_tree = bounding_volume_tree(data.row_bounds, 2);
   if (!options.orders) return data;
 
   const auto [rows, columns] = data.matrix.shape();

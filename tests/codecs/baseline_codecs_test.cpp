@@ -19,7 +19,8 @@ using Payload = std::vector<std::byte>;
 // Codecs that give rows: all of them in parts of equal length.
 VisibilityMatrix decode(const Codec& codec, const Payload& payload, Shape shape) {
   Encoded encoded{payload};
-  if (codec.open != nullptr) put_varint(encoded.index, (shape.rows + codec.rows_per_part - 1) / codec.rows_per_part);
+  if (codec.open != nullptr)
+    put_varint(encoded.index, (shape.rows + codec.rows_per_part - 1) / codec.rows_per_part);
   return vismat::decode(codec, encoded, shape);
 }
 VisibilityMatrix decode(std::string_view codec, const Payload& payload, Shape shape) {
@@ -79,8 +80,7 @@ TEST(UnrealChunks, RefusesChunksOfOtherRows) {
   const Encoded good = find_codec("unreal-chunks").encode(matrix, {}, {});
   EXPECT_THROW(vismat::decode(find_codec("unreal-chunks"), good, {99, 30}), FormatError);
   EXPECT_THROW(vismat::decode(find_codec("unreal-chunks"), good, {101, 30}), FormatError);
-  EXPECT_THROW(vismat::decode(find_codec("unreal-chunks"), good, {100, 31 + 8}),
-               FormatError);
+  EXPECT_THROW(vismat::decode(find_codec("unreal-chunks"), good, {100, 31 + 8}), FormatError);
   // Of 100 rows the last chunk holds 36; the first must not.
   const Payload chunk =
       find_codec("unreal-chunks").encode(test::random_matrix({36, 30}, .5, 1), {}, {}).payload;
@@ -206,8 +206,7 @@ class ProgramCodecs : public testing::TestWithParam<Codec> {
 TEST_P(ProgramCodecs, RoundTrips) {
   for (const auto& m : test::assorted_matrices()) {
     const Encoded encoded = GetParam().encode(m.matrix, {}, {});
-    EXPECT_EQ(vismat::decode(GetParam(), encoded, m.matrix.shape()), m.matrix)
-        << m.name;
+    EXPECT_EQ(vismat::decode(GetParam(), encoded, m.matrix.shape()), m.matrix) << m.name;
   }
   const auto matrix = test::clustered_matrix({50, 90}, 3);
   EXPECT_EQ(GetParam().encode(matrix, {}, {}), GetParam().encode(matrix, {}, {}));

@@ -48,8 +48,7 @@ TEST_P(EveryCodec, RoundTripsEveryMatrix) {
       const Dataset c = case_for(GetParam(), m.matrix, arity);
       const Encoded e = encoded(GetParam(), c);
       EXPECT_EQ(decoded(GetParam(), e, c), c.matrix) << m.name;
-      EXPECT_EQ(encoded(GetParam(), c), e)
-          << m.name << ": same input, other bytes";
+      EXPECT_EQ(encoded(GetParam(), c), e) << m.name << ": same input, other bytes";
     }
   }
 }
@@ -63,10 +62,12 @@ TEST_P(EveryCodec, RefusesEveryPrefixAndOneMoreByte) {
   for (std::size_t n = 0; n < e.payload.size(); ++n) {
     // Where all rows escaped the index tells their number alone, and no payload at all may stand for as many empty rows.
     if (n == 0 && e.index.size() == 1) continue;
-    EXPECT_THROW(decoded(GetParam(), {first(e.payload, n), e.index}, c), FormatError) << "payload of " << n << " bytes";
+    EXPECT_THROW(decoded(GetParam(), {first(e.payload, n), e.index}, c), FormatError)
+        << "payload of " << n << " bytes";
   }
   for (std::size_t n = 0; n < e.index.size(); ++n)
-    EXPECT_THROW(decoded(GetParam(), {e.payload, first(e.index, n)}, c), FormatError) << "index of " << n << " bytes";
+    EXPECT_THROW(decoded(GetParam(), {e.payload, first(e.index, n)}, c), FormatError)
+        << "index of " << n << " bytes";
   e.payload.push_back(std::byte{0});
   EXPECT_THROW(decoded(GetParam(), e, c), FormatError);
   e.payload.pop_back();
@@ -82,8 +83,7 @@ TEST_P(EveryCodec, SurvivesFlippedBits) {
     Encoded bad = good;
     bad.payload[bit / 8] ^= std::byte{1} << (bit % 8);
     try {
-      EXPECT_EQ(decoded(GetParam(), bad, c).shape(),
-                c.matrix.shape());
+      EXPECT_EQ(decoded(GetParam(), bad, c).shape(), c.matrix.shape());
     } catch (const FormatError&) {
     }
   }
@@ -124,8 +124,9 @@ INSTANTIATE_TEST_SUITE_P(Table, EveryCodec, testing::ValuesIn(all_codecs()), tes
 
 // Row n: the set of node n, the obvious way.
 VisibilityMatrix sets_of_nodes(const Codec& codec, const Dataset& c) {
-  return transpose(codec.needs.tree == TreeOver::columns ? c.matrix
-                                                         : nodes_from_objects(transpose(c.matrix), *c.source.row_tree));
+  return transpose(codec.needs.tree == TreeOver::columns
+                       ? c.matrix
+                       : nodes_from_objects(transpose(c.matrix), *c.source.row_tree));
 }
 
 class EveryTreeCodec : public testing::TestWithParam<Codec> {};
@@ -221,7 +222,8 @@ TEST(GoldenBytes, OfOurOwnFormats) {
   std::map<std::string, std::pair<std::size_t, std::uint64_t>> found;
   for (const Codec& codec : own_codecs()) {
     const ObjectTree rows = test::even_tree(24, 2);
-    const Encoded e = codec.encode(c.matrix, {codec.needs.tree == TreeOver::rows ? &rows : &*c.source.tree, {}, {}}, {});
+    const Encoded e =
+        codec.encode(c.matrix, {codec.needs.tree == TreeOver::rows ? &rows : &*c.source.tree, {}, {}}, {});
     found[std::string(codec.name)] = {e.payload.size(), fnv1a(e.payload)};
   }
   const Container container = compress(c, find_codec("zach3-huffman"));

@@ -274,7 +274,8 @@ VisibilityMatrix decode(const std::vector<std::uint32_t>& heads, const std::vect
                         const std::vector<Step>& row) {
   const ByHand file = write_by_hand(heads, clusters, row);
   const std::vector<std::uint64_t> starts = {file.model_bytes};
-  return vismat::decode(find_codec("panne"), {file.payload, part_index_bytes(starts, file.payload.size())}, {1, file.columns});
+  return vismat::decode(find_codec("panne"), {file.payload, part_index_bytes(starts, file.payload.size())},
+                        {1, file.columns});
 }
 
 std::vector<std::uint32_t> heads_at(std::uint32_t columns, std::initializer_list<std::uint32_t> at) {

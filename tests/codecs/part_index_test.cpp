@@ -23,7 +23,8 @@ void expect_reads_back(const std::vector<std::uint64_t>& starts, std::uint64_t p
   for (std::uint64_t i = 0; i < starts.size(); ++i) {
     const auto [begin, end] = index.part(i, as_is);
     ASSERT_EQ(begin, starts[i]) << i << " of " << starts.size() << " in " << payload_bytes;
-    ASSERT_EQ(end, i + 1 < starts.size() ? starts[i + 1] : payload_bytes) << i << " of " << starts.size() << " in " << payload_bytes;
+    ASSERT_EQ(end, i + 1 < starts.size() ? starts[i + 1] : payload_bytes)
+        << i << " of " << starts.size() << " in " << payload_bytes;
   }
 }
 

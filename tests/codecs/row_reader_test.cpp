@@ -8,12 +8,12 @@
 #include <thread>
 
 #include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "matrix/checksum.h"
 #include "codecs/bit_stream.h"
+#include "codecs/bitmap.h"
 #include "codecs/container.h"
 #include "codecs/sections.h"
 #include "matrix/atomic_file.h"
+#include "matrix/checksum.h"
 #include "matrix/deltas.h"
 #include "tests/codecs/matrices.h"
 #include "tests/matrix/temporary_folder.h"
@@ -37,7 +37,8 @@ std::string test_name(const testing::TestParamInfo<Codec>& codec) {
 Container container_of(const VisibilityMatrix& matrix, const Codec& codec) {
   SourceMap source;
   const std::uint32_t rows = matrix.shape().rows;
-  if (codec.needs.tree == TreeOver::rows) source.row_tree = rows == 0 ? ObjectTree{} : test::even_tree(rows, 2);
+  if (codec.needs.tree == TreeOver::rows)
+    source.row_tree = rows == 0 ? ObjectTree{} : test::even_tree(rows, 2);
   return compress(matrix, codec, std::move(source));
 }
 std::vector<std::byte> file_of(const VisibilityMatrix& matrix, const Codec& codec) {
@@ -115,9 +116,10 @@ TEST_P(EveryRowCodec, TouchesNoOtherBlock) {
     }
     EXPECT_GE(damaged, 1u);
     // The tree, the model, three of the index, the row's and those that share its bytes; down a tree two a part.
-    const std::uint64_t of_parts = GetParam().needs.tree == TreeOver::rows
-                                       ? 2 * RowReader(file, std::span(&GetParam(), 1)).cost(r).parts
-                                       : GetParam().rows_per_part * row_bytes_of(3000) / CheckedBytes::block_bytes;
+    const std::uint64_t of_parts =
+        GetParam().needs.tree == TreeOver::rows
+            ? 2 * RowReader(file, std::span(&GetParam(), 1)).cost(r).parts
+            : GetParam().rows_per_part * row_bytes_of(3000) / CheckedBytes::block_bytes;
     EXPECT_LE(damaged, 8u + of_parts) << "of " << blocks << " blocks";
   }
 }
@@ -278,7 +280,8 @@ TEST(Container, RefusesBoundariesThatAreNone) {
     Container container = container_of_differences();
     change(container.source.boundaries);
     EXPECT_THROW(write_container(container), std::invalid_argument);
-    EXPECT_THROW(boundaries_from_bytes(boundary_bytes(container.source.boundaries), container.shape.rows), FormatError);
+    EXPECT_THROW(boundaries_from_bytes(boundary_bytes(container.source.boundaries), container.shape.rows),
+                 FormatError);
   };
   refused([](auto& b) { b.pop_back(); });                 // fewer than half the rows
   refused([](auto& b) { b.back() = b[b.size() - 2]; });   // the same twice
@@ -329,13 +332,15 @@ TEST(RowReader, RefusesCodecsThatGiveNoRows) {
 // One buffer goes from file to file and from codec to codec: what one reader left in it is not taken for another's.
 TEST(RowReader, BuffersServeEveryReader) {
   std::vector<VisibilityMatrix> matrices;
-  for (std::uint64_t seed = 40; seed < 43; ++seed) matrices.push_back(test::clustered_matrix({64, 200}, seed));
+  for (std::uint64_t seed = 40; seed < 43; ++seed)
+    matrices.push_back(test::clustered_matrix({64, 200}, seed));
   std::vector<std::pair<RowReader, const VisibilityMatrix*>> readers;
   std::vector<std::vector<std::byte>> files;
   for (const Codec& codec : row_codecs()) {
     for (const VisibilityMatrix& matrix : matrices) files.push_back(file_of(matrix, codec));
   }
-  for (std::size_t f = 0; f < files.size(); ++f) readers.emplace_back(RowReader(files[f], all_codecs()), &matrices[f % 3]);
+  for (std::size_t f = 0; f < files.size(); ++f)
+    readers.emplace_back(RowReader(files[f], all_codecs()), &matrices[f % 3]);
   Buffers buffers;
   Random random(5);
   for (int i = 0; i < 4000; ++i) {
@@ -388,7 +393,8 @@ TEST(Container, TakesNoMemoryForClaims) {
   for (const char* codec : {"zach0", "gotsman1"}) {
     Container tree = compress(VisibilityMatrix(Shape{1, 1}), find_codec("bitmap"));
     tree.codec = codec;
-    (find_codec(codec).needs.tree == TreeOver::rows ? tree.source.row_tree : tree.source.tree) = test::even_tree(1, 2);
+    (find_codec(codec).needs.tree == TreeOver::rows ? tree.source.row_tree : tree.source.tree) =
+        test::even_tree(1, 2);
     tree.source.columns_are_nodes = true;
     tree.shape = find_codec(codec).needs.tree == TreeOver::rows ? Shape{1, 1u << 31} : Shape{1u << 31, 1};
     tree.ones = 1u << 31;

@@ -129,8 +129,8 @@ Permutation tour_like(std::uint32_t size, std::uint64_t seed) {
 
 TEST(OrderSection, KeepsAnyOrder) {
   for (const std::uint32_t size : {0u, 1u, 2u, 3u, 64u, 65u, 1000u}) {
-    for (const Permutation& order :
-         {Permutation::identity(size), shuffled(size, size), tour_like(size, size), tour_like(size, size).inverse()})
+    for (const Permutation& order : {Permutation::identity(size), shuffled(size, size), tour_like(size, size),
+                                     tour_like(size, size).inverse()})
       EXPECT_EQ(order_from_bytes(order_bytes(order), size), order) << size;
   }
 }
@@ -146,7 +146,8 @@ TEST(OrderSection, TakesLessThanTheLogarithmWhereStepsAreShort) {
 TEST(OrderSection, HasOneCodeForEachOrder) {
   for (const Permutation& order : {tour_like(40, 2), shuffled(20, 3), Permutation::identity(9)}) {
     expect_one_code(
-        order_bytes(order), [&](std::span<const std::byte> bytes) { return order_from_bytes(bytes, order.size()).value(); },
+        order_bytes(order),
+        [&](std::span<const std::byte> bytes) { return order_from_bytes(bytes, order.size()).value(); },
         order_bytes);
   }
   EXPECT_THROW(order_from_bytes(order_bytes(Permutation::identity(9)), 10), FormatError);
@@ -160,9 +161,12 @@ TEST(OrderSection, RefusesClaims) {
 
 std::vector<ObjectTree> assorted_trees() {
   constexpr auto none = ObjectTree::none;
-  std::vector<ObjectTree> trees = {ObjectTree{}, test::even_tree(1, 2), test::even_tree(200, 2), test::even_tree(77, 5)};
-  trees.push_back(ObjectTree::from_parents({none, 0, 1, 1, 0, 4, 4}, {none, none, 2, 0, none, 1, 2}, 3));  // by branches
-  trees.push_back(ObjectTree::from_parents({none, 0, 0, 2, 1, 2, 1}, {5, 0, 0, 0, none, 4, none}, 6));     // neither way
+  std::vector<ObjectTree> trees = {ObjectTree{}, test::even_tree(1, 2), test::even_tree(200, 2),
+                                   test::even_tree(77, 5)};
+  trees.push_back(
+      ObjectTree::from_parents({none, 0, 1, 1, 0, 4, 4}, {none, none, 2, 0, none, 1, 2}, 3));  // by branches
+  trees.push_back(
+      ObjectTree::from_parents({none, 0, 0, 2, 1, 2, 1}, {5, 0, 0, 0, none, 4, none}, 6));  // neither way
   Random random(8);
   std::vector<std::uint32_t> parents = {none}, objects = {none};
   for (std::uint32_t n = 1; n < 300; ++n) {
@@ -190,14 +194,17 @@ TEST(TreeSection, TakesAboutItsShapeAndAnOrder) {
   const Permutation shuffle = shuffled(4000, 4);
   std::vector<std::uint32_t> parents(even.parent_of_node().begin(), even.parent_of_node().end()),
       objects(even.object_of_node().begin(), even.object_of_node().end());
-  for (std::uint32_t& object : objects) object = object == ObjectTree::none ? object : shuffle.new_of_old()[object];
-  EXPECT_LT(tree_bytes(ObjectTree::from_parents(parents, objects, 4000), false).size(), permutation_bytes(4000) * 11 / 10 + 700);
+  for (std::uint32_t& object : objects)
+    object = object == ObjectTree::none ? object : shuffle.new_of_old()[object];
+  EXPECT_LT(tree_bytes(ObjectTree::from_parents(parents, objects, 4000), false).size(),
+            permutation_bytes(4000) * 11 / 10 + 700);
 }
 
 TEST(TreeSection, HasOneCodeForEachTree) {
   for (const ObjectTree& tree : assorted_trees()) {
     if (tree.size() > 200) continue;  // a bit at a time
-    expect_one_code(tree_bytes(tree, false), tree_from_bytes, [](const auto& read) { return tree_bytes(read.first, read.second); });
+    expect_one_code(tree_bytes(tree, false), tree_from_bytes,
+                    [](const auto& read) { return tree_bytes(read.first, read.second); });
   }
 }
 
@@ -220,7 +227,8 @@ TEST(NameSection, RefusesNamesThatGrowWithoutBytes) {
   put_varint(bytes, 0);
   put_varint(bytes, 50000);
   bytes.resize(bytes.size() + 50000, std::byte{'a'});
-  for (int i = 0; i < 1000000; ++i) bytes.insert(bytes.end(), {std::byte{0xd0}, std::byte{0x86}, std::byte{3}, std::byte{0}});
+  for (int i = 0; i < 1000000; ++i)
+    bytes.insert(bytes.end(), {std::byte{0xd0}, std::byte{0x86}, std::byte{3}, std::byte{0}});
   EXPECT_THROW(names_from_bytes(bytes), FormatError);
 }
 

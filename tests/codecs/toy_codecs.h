@@ -56,9 +56,12 @@ class RowDifferences {
     rows.shape_ = shape;
     return rows;
   }
-  void encode_part(const VisibilityMatrix& matrix, std::uint32_t row, std::uint32_t, std::vector<std::byte>& out) const {
+  void encode_part(const VisibilityMatrix& matrix, std::uint32_t row, std::uint32_t,
+                   std::vector<std::byte>& out) const {
     Ids changes;
-    exclusive_or(matrix.row(row), row % rows_per_band == 0 ? std::span<const std::uint32_t>(common_) : matrix.row(row - 1), changes);
+    exclusive_or(matrix.row(row),
+                 row % rows_per_band == 0 ? std::span<const std::uint32_t>(common_) : matrix.row(row - 1),
+                 changes);
     put_ids(changes, out);
   }
   void write_shared(Encoded& out) const {
@@ -86,7 +89,8 @@ class RowDifferences {
   }
   RowSource::Cost cost(std::uint32_t row, const Parts& parts) const {
     RowSource::Cost cost;
-    for (std::uint32_t r = begin_of_band(row, parts); r <= row; ++r, ++cost.parts) cost.bytes += parts.part_bytes(r);
+    for (std::uint32_t r = begin_of_band(row, parts); r <= row; ++r, ++cost.parts)
+      cost.bytes += parts.part_bytes(r);
     return cost;
   }
 
@@ -103,10 +107,13 @@ class RowDifferences {
 class RowsUnderBoxes {
  public:
   static constexpr std::uint32_t rows_per_part = 1;
-  static RowsUnderBoxes fit(const VisibilityMatrix&, const Side& side, const EncodeOptions&) { return RowsUnderBoxes(side); }
+  static RowsUnderBoxes fit(const VisibilityMatrix&, const Side& side, const EncodeOptions&) {
+    return RowsUnderBoxes(side);
+  }
   void write_model(std::vector<std::byte>&) const {}
   static RowsUnderBoxes read_model(ByteReader&, Shape, const Side& side) { return RowsUnderBoxes(side); }
-  void encode_part(const VisibilityMatrix& matrix, std::uint32_t row, std::uint32_t, std::vector<std::byte>& out) const {
+  void encode_part(const VisibilityMatrix& matrix, std::uint32_t row, std::uint32_t,
+                   std::vector<std::byte>& out) const {
     Ids near, changes;
     touching(row, near);
     exclusive_or(matrix.row(row), near, changes);
@@ -141,7 +148,8 @@ class RowsUnderBoxes {
 };
 
 inline const Codec& row_differences() {
-  static const Codec codec = row_codec<RowDifferences>("toy-differences", "differences to the row before", Origin::ours);
+  static const Codec codec =
+      row_codec<RowDifferences>("toy-differences", "differences to the row before", Origin::ours);
   return codec;
 }
 inline const Codec& rows_under_boxes() {

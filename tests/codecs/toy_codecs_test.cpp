@@ -54,7 +54,8 @@ TEST(RowsThatDependOnRows, AskForCheckedPartsAlone) {
       if (r / 8 == damaged / 8 && r >= damaged)
         EXPECT_THROW(reader.ids(r, ids), FormatError) << r;
       else
-        EXPECT_TRUE(std::ranges::equal(reader.ids(r, ids), matrix.row(r))) << r << " with " << damaged << " damaged";
+        EXPECT_TRUE(std::ranges::equal(reader.ids(r, ids), matrix.row(r)))
+            << r << " with " << damaged << " damaged";
     }
   }
   auto file = good;
@@ -109,7 +110,8 @@ TEST(Boxes, AreWhatAPayloadIsCodedUnder) {
   EXPECT_EQ(decompress(read_container(file), codec, boxes), data.matrix);
   RowBuffer<std::uint32_t> ids;
   const RowReader reader(file, std::span(&codec, 1), boxes);
-  for (std::uint32_t r = 0; r < 30; ++r) EXPECT_TRUE(std::ranges::equal(reader.ids(r, ids), data.matrix.row(r))) << r;
+  for (std::uint32_t r = 0; r < 30; ++r)
+    EXPECT_TRUE(std::ranges::equal(reader.ids(r, ids), data.matrix.row(r))) << r;
 
   const auto refused = [&](const Side& others, const std::string& why) {
     const auto says = [&](const auto& work) {
@@ -170,14 +172,16 @@ TEST(PreparedFor, DoesWhatIsNeededAndSaysSoInTheSourceMap) {
   const Dataset distinct = prepared({.distinct = true});
   EXPECT_EQ(distinct.matrix.shape(), (Shape{40, 40}));
   EXPECT_EQ(distinct.guarantee, Guarantee::exact);
-  for (const Dataset& done : {rows, columns, shared, distinct, prepared({.row_order = true, .column_order = true, .distinct = true})})
+  for (const Dataset& done : {rows, columns, shared, distinct,
+                              prepared({.row_order = true, .column_order = true, .distinct = true})})
     EXPECT_EQ(in_source_numbers(done).matrix, data.matrix);
   EXPECT_EQ(prepared_for(needing({.row_order = true, .column_order = true}), data, {.orders = false}), data);
 }
 
 TEST(PreparedFor, MakesNodesAndTreesOrSaysWhatIsMissing) {
   Dataset data = on_a_line();
-  const Codec over_rows = needing({.tree = TreeOver::rows}), over_columns = needing({.tree = TreeOver::columns, .column_order = true});
+  const Codec over_rows = needing({.tree = TreeOver::rows}),
+              over_columns = needing({.tree = TreeOver::columns, .column_order = true});
   EXPECT_TRUE(prepared_for(over_rows, data).source.row_tree);
   EXPECT_NE(obstacle(over_columns, data), "");
   data.source.tree = test::even_tree(30, 4);

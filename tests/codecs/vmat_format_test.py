@@ -586,7 +586,7 @@ class Format(unittest.TestCase):
             def run(*arguments):
                 subprocess.run([VISMAT, *arguments], check=True, capture_output=True)
 
-            run("city", "--size", "8", "-o", folder / "city.scene.h5")
+            run("city", "--size", "4", "-o", folder / "city.scene.h5")
             run("see", folder / "city.scene.h5", "--producer", "climbing", "--objects", "-o", folder / "city.bsp.h5")
             run("order", folder / "city.bsp.h5", "--columns", "random", "--rows", "greedy", "-o", folder / "ordered.bsp.h5")
             run("merge", folder / "city.bsp.h5", "--lost", ".1", "-o", folder / "merged.bsp.h5")

@@ -48,7 +48,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     tree = test::even_tree(shape.rows, 2);
   }
   const auto rest = std::as_bytes(std::span(data + 4, size - 4));
-  const auto index = rest.first(std::min<std::size_t>(data[3], rest.size())), payload = rest.subspan(index.size());
+  const auto index = rest.first(std::min<std::size_t>(data[3], rest.size())),
+             payload = rest.subspan(index.size());
   const Side side{&tree, {}, {}};
   const Encoded input{{payload.begin(), payload.end()}, {index.begin(), index.end()}};
   try {

@@ -62,7 +62,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const VisibilityMatrix matrix = decompress(container, codec);
     if (matrix.ones() != container.ones) std::abort();
   } catch (const FormatError&) {
-  } catch (const std::invalid_argument&) {  // a codec of another name; of version 3 what today's files do not hold
+  } catch (
+      const std::invalid_argument&) {  // a codec of another name; of version 3 what today's files do not hold
   }
   return 0;
 }

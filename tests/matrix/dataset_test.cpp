@@ -222,7 +222,8 @@ TEST(Dataset, RefusesGeometryThatDoesNotFit) {
   refused("/vismat/row_neighbours/pointers_to_1: has 2 entries", [](Dataset& d) {
     d.row_neighbours = VisibilityMatrix({1, 1});
   });
-  refused("/vismat/tree: has 0 objects, but there are 3 columns", [](Dataset& d) { d.source.tree = ObjectTree(); });
+  refused("/vismat/tree: has 0 objects, but there are 3 columns",
+          [](Dataset& d) { d.source.tree = ObjectTree(); });
   refused("/vismat/tree: has 5 nodes, but there are 3 columns",
           [](Dataset& d) { d.source.columns_are_nodes = true; });
   refused("sees a node of /vismat/tree but not its parent", [](Dataset& d) {
