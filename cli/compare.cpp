@@ -108,7 +108,7 @@ Figures measure(const Codec& codec, const Dataset& data, double seconds) {
   const Side side = side_of(codec, data);
   Figures figures;
   Container container = compress(data, codec);
-  figures.bytes = container.encoded.payload.size() + container.encoded.index.size();
+  figures.bytes = container.encoded.bytes();
   if (decompress(container, codec, side) != matrix)
     throw std::runtime_error("codec '" + std::string(codec.name) + "' does not restore the matrix");
   figures.encode_s = median_seconds(seconds, [&] { container.encoded = codec.encode(matrix, side, {}); });
@@ -231,7 +231,7 @@ void add_compare(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("--csv", options->csv, "Also write a table of commas");
   verb->footer(
-      "Bytes are payload and index. Codecs that give rows alone decode row by row into one buffer, others, and those over a "
+      "Bytes are payload, index and sections of the model. Codecs that give rows alone decode row by row into one buffer, others, and those over a "
       "tree, the whole matrix.\n"
       "Every codec is checked by a round trip first. Codecs over a tree want a matrix with a tree, over rows one with boxes or with a tree over them.\n"
       "Example: vismat compare koth1.bsp.h5 --orders natural,best --csv koth1.csv");

@@ -32,10 +32,14 @@ void read_facts(const std::string& facts, Dataset& data) {
 }
 
 Dataset dataset_of(Container container, const Side& boxes) {
+  const std::vector<Codec> codecs = all_codecs();
+  const Codec* const codec = codec_named(container.codec, codecs);
+  if (codec == nullptr) throw FormatError("codec '" + container.codec + "' is unknown here");
   Dataset data;
   read_facts(container.facts, data);
-  data.matrix = decompress(container, find_codec(container.codec), boxes);
+  data.matrix = decompress(container, *codec, boxes);
   data.source = std::move(container.source);
+  drop_tree_over_lists(data.source, data.matrix.shape());
   return data;
 }
 

@@ -31,6 +31,12 @@ struct Encoded {
   /// First rows of bands that are decoded without what stands before them; empty, or ascending from row 0.
   std::vector<std::uint32_t> bands = {};
   bool operator==(const Encoded&) const = default;
+  /// Of payload, index and shared sections: what tables count.
+  std::uint64_t bytes() const {
+    std::uint64_t sum = payload.size() + index.size();
+    for (const auto& section : shared) sum += section.size();
+    return sum;
+  }
 };
 
 /// Whose idea a codec is: our own, a published one, or what people use today.

@@ -74,11 +74,16 @@ BoxSums box_sums(const Side& side) {
   return {crc32(std::as_bytes(side.row_boxes)), crc32(std::as_bytes(side.column_boxes))};
 }
 
-void check_boxes(const std::optional<BoxSums>& coded_under, const Side& boxes) {
+void check_boxes(const Codec& codec, Shape shape, const std::optional<BoxSums>& coded_under,
+                 const Side& boxes) {
+  if (codec.needs.boxes != coded_under.has_value())
+    throw FormatError(coded_under ? "tells of boxes, which this codec does not code under"
+                                  : "does not tell the boxes that this codec codes under");
   if (!coded_under) return;
   if (boxes.row_boxes.empty() && boxes.column_boxes.empty())
     throw FormatError("was coded under the boxes of its rows and columns; they must be given");
-  if (box_sums(boxes) != *coded_under)
+  if (boxes.row_boxes.size() != shape.rows || boxes.column_boxes.size() != shape.columns ||
+      box_sums(boxes) != *coded_under)
     throw FormatError("was coded under other boxes of rows and columns than those given");
 }
 
@@ -298,6 +303,9 @@ Container read_container(std::span<const std::byte> bytes) {
 
 Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap source,
                    const EncodeOptions& options, const Side& boxes) {
+  if (codec.needs.boxes &&
+      (boxes.row_boxes.size() != matrix.shape().rows || boxes.column_boxes.size() != matrix.shape().columns))
+    throw std::invalid_argument("this codec codes under the boxes of all rows and columns");
   Container container;
   container.shape = matrix.shape();
   container.ones = matrix.ones();
@@ -310,7 +318,7 @@ Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap
 
 VisibilityMatrix decompress(const Container& container, const Codec& codec, const Side& boxes) {
   assert(container.codec == codec.name);
-  check_boxes(container.boxes, boxes);
+  check_boxes(codec, container.shape, container.boxes, boxes);
   const Shape shape = claimed_shape(container.shape.rows, container.shape.columns, container.ones);
   VisibilityMatrix matrix =
       decode(codec, container.encoded, shape, side_of(codec, container.source, boxes), container.ones);

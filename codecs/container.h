@@ -47,8 +47,9 @@ Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap
 /// coded under, if it was under any. FormatError where they are not, or where the payload does not decode to the shape and
 /// number of ones that the container states.
 VisibilityMatrix decompress(const Container& container, const Codec& codec, const Side& boxes = {});
-/// Throws FormatError unless these are the boxes.
-void check_boxes(const std::optional<BoxSums>& coded_under, const Side& boxes);
+/// Throws FormatError unless a codec that needs boxes has these of each row and column, and they are those coded under.
+void check_boxes(const Codec& codec, Shape shape, const std::optional<BoxSums>& coded_under,
+                 const Side& boxes);
 
 /// The head of a file and where its sections lie; what a reader checks before it touches anything else.
 class ContainerHead {
@@ -60,7 +61,7 @@ class ContainerHead {
   Shape shape;
   std::uint64_t ones = 0;
   std::string codec;
-  /// Borrowed from the file, empty where there is none. Its bytes are unchecked until check_block went over their blocks.
+  /// Borrowed from the file, empty where there is none. Its bytes are unchecked until CheckedBytes has gone over them.
   std::span<const std::byte> section(vmat::Section which) const;
   std::span<const std::byte> body() const { return body_; }
   std::span<const std::byte> sums() const { return sums_; }

@@ -228,7 +228,7 @@ class ContextTrits : public NodeCoder {
   // The trees are grown from about 4 M trits, those of the nodes that a hash picks: 32 MB, and most of the time that encoding
   // takes. Each step of effort takes four times as many.
   void expect(std::uint64_t members, const EncodeOptions& options) override {
-    const std::uint64_t most = std::uint64_t{1} << (22 + 2 * options.effort);
+    const std::uint64_t most = std::uint64_t{1} << (22 + 2 * std::min(options.effort, 2u));
     picked_ = members <= most ? 1 : static_cast<double>(most) / static_cast<double>(members);
   }
   void see(const ChildBits& node) override {

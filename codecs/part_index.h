@@ -1,7 +1,7 @@
 // Where the parts of a payload lie: an ascending list of places, any of which is read alone, in about 2.1 + log2(payload bytes /
 // parts) bits each [Elias 1974, Fano 1971]. A payload is a model, often empty, and behind it its parts.
 //
-//   varint    n, how many parts; nothing follows if all are equally long and there is no model
+//   varint    n, how many parts; nothing follows if there are none, or all are equally long and there is no model
 //
 // and otherwise the n + 1 places where the parts begin and the last ends, which is u, the payload's bytes:
 //

@@ -23,6 +23,11 @@ Parts::Parts(std::span<const std::byte> payload, std::span<const std::byte> inde
   if (in_pieces_) index_ = PartIndex(index, payload_.size(), touch());
 }
 
+void Parts::expect_no_sections() const {
+  if (!shared_.empty() || !bands_.empty())
+    throw FormatError("shared sections or bands, of which this codec has none");
+}
+
 void Parts::expect(std::uint64_t parts) const {
   if (!in_pieces_ || count() != parts) {
     throw FormatError("the index tells of " + std::to_string(in_pieces_ ? count() : 0) +

@@ -40,6 +40,7 @@ class Parts {
   /// All of a payload that is one piece. Throws FormatError where there is an index.
   std::span<const std::byte> whole() const {
     if (in_pieces_) throw FormatError("an index of parts; this codec's payload is one piece");
+    expect_no_sections();
     return payload();
   }
   /// What stands before the first part.
@@ -63,6 +64,8 @@ class Parts {
   }
   /// First rows of the bands; empty where there are none.
   std::span<const std::uint32_t> bands() const { return bands_; }
+  /// Throws FormatError where there are shared sections or bands, for codecs that have none.
+  void expect_no_sections() const;
   /// Throws FormatError unless there are so many parts.
   void expect(std::uint64_t parts) const;
 

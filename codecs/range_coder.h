@@ -84,8 +84,6 @@ class RangeDecoder {
   }
   /// FormatError unless the bytes are those that an encoder ends with after what was read.
   void finish() const;
-  /// How many bytes past the end were asked for; an honest stream needs at most 4.
-  std::size_t overrun() const { return next_ > bytes_.size() ? next_ - bytes_.size() : 0; }
 
  private:
   std::uint32_t byte() {

@@ -1,14 +1,16 @@
 #include "codecs/row_codec.h"
 
+#include <algorithm>
+
 #include "matrix/claimed_shape.h"
 
 namespace vismat {
 
-// Offsets of rows are backed by the bytes of these or of the index; only rows that share no byte at all are not.
+// What is asked for at once is backed by the payload's bytes; the rest as rows come.
 VisibilityMatrix read_all_rows(const RowSource& rows, const Parts& parts, Shape shape, std::uint64_t most) {
   if (parts.payload_bytes() == 0) claimed_shape(shape.rows, 0, 0);
   std::vector<std::uint64_t> offsets = {0};
-  offsets.reserve(std::size_t{shape.rows} + 1);
+  offsets.reserve(std::min<std::size_t>(shape.rows, (1 << 22) + 8 * parts.payload_bytes()) + 1);
   std::vector<std::uint32_t> ids;
   RowBuffer<std::uint32_t> row;
   for (std::uint32_t r = 0; r < shape.rows; ++r) {

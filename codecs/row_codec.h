@@ -164,6 +164,8 @@ Encoded encode_rows(const VisibilityMatrix& matrix, [[maybe_unused]] const Side&
 template <typename Rows>
 std::unique_ptr<const RowSource> open_rows(Parts parts, Shape shape, [[maybe_unused]] const Side& side) {
   parts.expect((std::uint64_t{shape.rows} + rows_per_part<Rows>() - 1) / rows_per_part<Rows>());
+  if constexpr (!requires(const Rows& rows, Encoded& out) { rows.write_shared(out); })
+    parts.expect_no_sections();
   ByteReader in(parts.model(), "model");
   const auto read = [&] {
     if constexpr (requires { Rows::read_model(in, shape, side); })

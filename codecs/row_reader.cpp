@@ -88,7 +88,7 @@ struct RowReader::Open {
       if (const auto bytes = body.checked(head.section(which)); !bytes.empty())
         tree = tree_from_bytes(bytes).first;
     }
-    check_boxes(read_box_sums(head, body), boxes);
+    check_boxes(codec, head.shape, read_box_sums(head, body), boxes);
     const Side side{tree ? &*tree : nullptr, boxes.row_boxes, boxes.column_boxes};
     Parts parts(head.section(vmat::Section::payload), head.section(vmat::Section::index),
                 shared_sections(head), read_bands(head, body), body);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "matrix/byte_reader.h"
 
@@ -22,13 +23,10 @@ struct Run {
 /// use any scratch; what one of them left there, another makes anew.
 class RowScratch {
  public:
-  RowScratch() = default;
-  RowScratch(RowScratch&&) noexcept = default;
-  RowScratch& operator=(RowScratch&&) noexcept = default;
   /// The T that is kept here, made anew where the last one asked for was of another type.
   template <typename T>
   T& as() {
-    if (type_ != &type_of<T>) [[unlikely]] {
+    if (held_ == nullptr || type_ != &type_of<T>) [[unlikely]] {
       held_ = std::make_unique<Held<T>>();
       type_ = &type_of<T>;
     }
@@ -53,6 +51,19 @@ class RowScratch {
 template <typename T>
 class RowBuffer : public RowScratch {
  public:
+  RowBuffer() = default;
+  RowBuffer(RowBuffer&& other) noexcept
+      : RowScratch(std::move(other)),
+        data_(std::move(other.data_)),
+        size_(std::exchange(other.size_, 0)),
+        capacity_(std::exchange(other.capacity_, 0)) {}
+  RowBuffer& operator=(RowBuffer&& other) noexcept {
+    RowScratch::operator=(std::move(other));
+    data_ = std::move(other.data_);
+    size_ = std::exchange(other.size_, 0);
+    capacity_ = std::exchange(other.capacity_, 0);
+    return *this;
+  }
   std::span<const T> content() const { return {data_.get(), size_}; }
 
  private:

@@ -161,6 +161,11 @@ std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, st
   return boundaries;
 }
 
+// A short entry may stand for a long name: together names may be as long as this.
+static std::uint64_t most_of_names(std::uint64_t section_bytes) {
+  return (std::uint64_t{1} << 24) + 4096 * section_bytes;
+}
+
 // Of each name how many bytes it begins with that the one before has too, how many more it has, and these.
 std::vector<std::byte> name_bytes(std::span<const std::string> names) {
   std::vector<std::byte> out;
@@ -174,6 +179,10 @@ std::vector<std::byte> name_bytes(std::span<const std::string> names) {
     out.insert(out.end(), rest.begin(), rest.end());
     last = name;
   }
+  std::uint64_t length = 0;
+  for (const std::string& name : names) length += name.size();
+  if (length > most_of_names(out.size()))
+    throw std::invalid_argument("names of " + std::to_string(length) + " bytes, nearly all of them repeated");
   return out;
 }
 
@@ -181,8 +190,7 @@ std::vector<std::string> names_from_bytes(std::span<const std::byte> bytes) {
   ByteReader in(bytes, "names section");
   std::vector<std::string> names;
   std::string name;
-  // A short entry may stand for a long name: together they may be this long.
-  std::uint64_t left = (std::uint64_t{1} << 22) + 64 * bytes.size();
+  std::uint64_t left = most_of_names(bytes.size());
   while (in.left() > 0) {
     const std::uint64_t shared = in.varint(), more = in.varint();
     if (shared > name.size()) in.fail("a name begins like a longer one than the last");
@@ -231,7 +239,7 @@ std::vector<std::byte> band_bytes(std::span<const std::uint32_t> bands, std::uin
   if (bands.empty()) return out;
   if (bands[0] != 0 || bands.back() >= rows ||
       std::ranges::adjacent_find(bands, std::ranges::greater_equal()) != bands.end())
-    throw std::invalid_argument("bands must begin at row 0, ascend, and begin before the last row");
+    throw std::invalid_argument("bands must begin at row 0, ascend, and begin at rows that there are");
   put_varint(out, bands.size());
   for (std::size_t i = 1; i < bands.size(); ++i) put_varint(out, bands[i] - bands[i - 1]);
   return out;

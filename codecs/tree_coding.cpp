@@ -60,11 +60,11 @@ void take_marked(std::span<const std::uint32_t> whole, std::span<const std::uint
   part.resize(count);
 }
 
-// A bit of one node takes a byte of memory. What a tree and a shape claim may be 2^64; a part's bytes back so many, and
-// 2^26 go without. An encoder makes none that is refused.
+// A bit of one node takes a byte of memory. What a tree and a shape claim may be 2^64; a part's bytes back 2^16 each, and
+// 2^28 go without. An encoder makes none that is refused.
 std::string too_many_bits(std::size_t children, std::size_t members, std::size_t part_bytes) {
   const std::size_t most = std::min<std::size_t>(
-      std::size_t{1} << 31, (std::size_t{1} << 26) + std::min<std::size_t>(part_bytes, 1 << 20) * 4096);
+      std::size_t{1} << 31, (std::size_t{1} << 28) + std::min<std::size_t>(part_bytes, 1 << 20) * 65536);
   if (members == 0 || children <= most / members) return {};
   return std::to_string(children) + " children over a set of " + std::to_string(members) +
          " are too many for one node; a part of " + std::to_string(part_bytes) + " bytes may have " +
@@ -270,7 +270,7 @@ std::string misfit(TreeOver side, const ObjectTree& tree, Shape shape) {
 
 // Rows or columns that the sets are of take memory though no byte stands for each.
 bool backed(std::uint32_t universe, const ObjectTree& tree, std::uint64_t payload_bytes) {
-  return universe <= (std::uint64_t{1} << 22) + 64 * (payload_bytes + tree.size());
+  return universe <= (std::uint64_t{1} << 24) + 4096 * (payload_bytes + tree.size());
 }
 
 void check_fit(TreeOver side, const VisibilityMatrix& matrix, const ObjectTree* tree) {
@@ -371,6 +371,7 @@ NodeReader::NodeReader(std::unique_ptr<NodeCoder> coder, TreeOver over, Parts pa
       if (tree.children(n).empty()) node_of_row_[tree.object_of_node()[n]] = n;
     }
   }
+  parts_.expect_no_sections();
   const auto model = parts_.model();
   ByteReader in(model, "payload");
   const auto flag = in.number<std::uint8_t>();
@@ -408,6 +409,7 @@ void NodeReader::read_root(NodeSet& root, ChildBits& bits) const {
 }
 
 void NodeReader::read_children(const NodeSet& set, ChildBits& bits) const {
+  bits.of_root = false;  // a damaged root may have left it so
   assert(!coder_->wants_history() || set.history.size() == set.members.size());
   bits.children = static_cast<std::uint32_t>(tree_->children(set.node).size());
   bits.members = static_cast<std::uint32_t>(set.members.size());

@@ -293,8 +293,12 @@ Container read_vmat3(Bytes bytes, std::span<const Codec> codecs) {
   source.boundaries = boundaries_from_bytes(file->section[boundaries], rows);
   // Codecs over a tree of columns take its nodes for the columns, whether the facts say so or not.
   if (codec->needs.tree == TreeOver::columns) source.columns_are_nodes = true;
+  // Differences may have a tree over their lists, which no source map has: it serves to decode them.
+  SourceMap checked = source;
+  if (!source.boundaries.empty() && source.row_tree && source.row_tree->object_count() == rows)
+    checked.row_tree.reset();
   made("source map", [&] {
-    check_source_map(source, container.shape);
+    check_source_map(checked, container.shape);
     return 0;
   });
   container.encoded.payload.assign(file->section[payload].begin(), file->section[payload].end());

@@ -492,6 +492,7 @@ SourceMap read_source_map(const Hdf5File& file, const VisibilityMatrix& matrix) 
   map.row_names = read_names(file, row_names_array);
   map.column_names = read_names(file, column_names_array);
   map.column_levels = read_levels(file);
+  drop_tree_over_lists(map, shape);
   try {
     check_source_map(map, shape);
   } catch (const std::invalid_argument& error) {

@@ -116,6 +116,11 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
   if (!name.ends_with(".h5") && !name.ends_with(".hdf5")) {
     throw std::invalid_argument(path.string() + ": a matrix is written as .bsp.h5, .h5, .hdf5 or .mtx");
   }
+  try {
+    check_source_map(dataset.source, dataset.matrix.shape());
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(path.string() + ": would not be read again: " + error.what());
+  }
   AtomicFile partial(path);
   try {
     Hdf5File file = Hdf5File::create(partial.partial_path());

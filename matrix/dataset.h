@@ -46,7 +46,8 @@ struct Dataset {
 /// Throws FormatError or std::runtime_error, both naming the file.
 Dataset read_dataset(const std::filesystem::path& path);
 /// By the file name's ending; `.mtx` keeps the matrix and the facts as comments, not the geometry.
-/// Throws std::invalid_argument for another ending. The file appears whole or not at all.
+/// Throws std::invalid_argument for another ending, or a source map that does not fit the matrix. The file appears whole or not
+/// at all.
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 
 /// The same matrix over the tree's nodes instead of its objects (nodes_from_objects), tree kept; a node's box, where

@@ -108,6 +108,11 @@ void check_source_map(const SourceMap& map, Shape shape) {
     need("column_levels", map.column_levels.size(), "columns", source.columns, "columns of the source");
 }
 
+void drop_tree_over_lists(SourceMap& map, Shape shape) {
+  if (map.row_tree && map.row_tree->object_count() == shape.rows && map.rows_of(shape) != shape.rows)
+    map.row_tree.reset();
+}
+
 SourceMap reordered(SourceMap map, const Permutation& rows, const Permutation& columns) {
   if (!rows.is_identity() && !map.boundaries.empty()) {
     map.boundaries.clear();

@@ -54,6 +54,9 @@ struct SourceMap {
 /// whether the matrix is monotone over its tree. O(nodes + boundaries + names).
 void check_source_map(const SourceMap& map, Shape shape);
 
+/// Differences once had a tree over their lists where now there is one over their view cells; it cannot be kept.
+void drop_tree_over_lists(SourceMap& map, Shape shape);
+
 /// The map of the matrix in a new order. A tree whose nodes are the columns cannot follow another order of columns and is left
 /// out; boundaries cannot follow another order of rows and are left out, with what was said of the view cells.
 SourceMap reordered(SourceMap map, const Permutation& rows, const Permutation& columns);

@@ -12,10 +12,12 @@ namespace vismat {
 namespace {
 
 // Equal rows and equal columns once. Nothing is lost by it, so the guarantee stays.
-Dataset distinct(Dataset data, bool columns_too) {
+Dataset distinct(Dataset data, bool rows_too, bool columns_too) {
   if (!data.source.boundaries.empty()) return data;  // differences are known by their places
   std::optional<Partition> rows, columns;
-  if (auto groups = equal_rows(data.matrix); groups.groups() < groups.size()) rows = std::move(groups);
+  if (rows_too) {
+    if (auto groups = equal_rows(data.matrix); groups.groups() < groups.size()) rows = std::move(groups);
+  }
   if (columns_too) {
     if (auto groups = equal_rows(transpose(data.matrix)); groups.groups() < groups.size())
       columns = std::move(groups);
@@ -54,7 +56,9 @@ Dataset prepared_for(const Codec& codec, Dataset data, const PrepareOptions& opt
   if (needs.tree == TreeOver::columns && !data.source.columns_are_nodes) data = over_nodes(data);
   const bool columns_move =
       !data.source.columns_are_nodes;  // nodes keep the numbers that their tree gives them
-  if (needs.distinct) data = distinct(std::move(data), columns_move);
+  // A given tree over the rows cannot follow rows that are merged; one of boxes is made after.
+  const bool rows_merge = needs.tree != TreeOver::rows || !data.row_bounds.empty();
+  if (needs.distinct) data = distinct(std::move(data), rows_merge, columns_move);
   if (needs.tree == TreeOver::rows && !data.source.row_tree)
     data.source.row_tree = bounding_volume_tree(data.row_bounds, 2);
   if (!options.orders) return data;

@@ -276,6 +276,7 @@ TEST(Program, CarriesTheSourceMapThroughEveryVerb) {
   run({"deltas", "--undo", deltas, "-o", out});
   EXPECT_EQ(read_dataset(out).source, read_dataset(folder / "nodes.bsp.h5").source);
   expect_refusal({"encode", deltas, "--codec", "zach0", "-o", file}, "holds differences");
+  expect_refusal({"tree", deltas, "--side", "rows", "--by", "sets", "-o", deltas}, "holds differences");
   // Merged and expanded: the names are the source's all the time.
   run({"merge", in, "--lost", ".05", "--side", "both", "-o", out});
   EXPECT_EQ(read_dataset(out).source.column_names, before.source.column_names);
@@ -297,6 +298,7 @@ TEST(Program, DecodesVersion3AndRefusesItElsewhere) {
     ++files;
     const std::string now = data / (name.substr(0, name.size() - 8) + ".vmat");
     ASSERT_EQ(vismat_program({"decode", old, "--as-stored", "-o", folder / "old.bsp.h5"}).code(), 0) << name;
+    if (!std::filesystem::exists(now)) continue;  // what is not written any more: differences over a tree of their lists
     ASSERT_EQ(vismat_program({"decode", now, "--as-stored", "-o", folder / "now.bsp.h5"}).code(), 0) << name;
     EXPECT_EQ(read_dataset(folder / "old.bsp.h5"), read_dataset(folder / "now.bsp.h5")) << name;
   }

@@ -372,6 +372,39 @@ TEST(RowReader, DamageLeavesNothingInTheBuffer) {
   }
 }
 
+// A root that is damaged leaves a mark on no other file's rows.
+TEST(RowReader, ADamagedRootLeavesNothingInTheBuffer) {
+  const auto without_a_column =
+      VisibilityMatrix::from_rows(std::vector<std::vector<std::uint32_t>>(9, {0, 2}), 4);
+  const auto with_all = test::random_matrix({9, 40}, .9, 47);
+  for (const Codec& codec : row_codecs()) {
+    if (codec.needs.tree != TreeOver::rows) continue;
+    Container container = container_of(without_a_column, codec);
+    container.encoded.payload[Parts(container.encoded).model().size()] ^= std::byte{0xff};
+    const auto damaged = write_container(container), good = file_of(with_all, codec);
+    const RowReader bad(damaged, std::span(&codec, 1)), reader(good, std::span(&codec, 1));
+    Buffers buffers;
+    EXPECT_THROW(bad.ids(0, buffers.ids), FormatError) << codec.name;
+    for (std::uint32_t r = 0; r < 9; ++r)
+      expect_row(reader, r, with_all.row(r), buffers, std::string(codec.name));
+  }
+}
+
+TEST(RowReader, ABufferThatIsMovedFromServesAgain) {
+  const auto matrix = test::clustered_matrix({30, 90}, 46);
+  for (const Codec& codec : row_codecs()) {
+    const auto file = file_of(matrix, codec);
+    const RowReader reader(file, std::span(&codec, 1));
+    RowBuffer<std::uint32_t> first;
+    reader.ids(3, first);
+    RowBuffer<std::uint32_t> second(std::move(first));
+    EXPECT_TRUE(std::ranges::equal(second.content(), matrix.row(3)));
+    EXPECT_TRUE(std::ranges::equal(reader.ids(4, first), matrix.row(4)));
+    first = std::move(second);
+    EXPECT_TRUE(std::ranges::equal(reader.ids(5, second), matrix.row(5)));
+  }
+}
+
 TEST(RowReader, OutlivesTheTableThatItWasGiven) {
   const auto matrix = test::clustered_matrix({30, 90}, 45);
   const auto file = file_of(matrix, find_codec("gotsman3"));

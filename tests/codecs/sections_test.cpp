@@ -143,6 +143,38 @@ TEST(OrderSection, TakesLessThanTheLogarithmWhereStepsAreShort) {
   EXPECT_LT(order_bytes(Permutation::identity(5000)).size(), 20u);
 }
 
+// All short orders, and many longer ones: what is written is read. Some end in more zeros than others, which the writer leaves out.
+TEST(OrderSection, ReadsEveryShortOrder) {
+  const auto unlucky = Permutation::from_old_of_new({1, 0, 2, 6, 4, 5, 3});
+  EXPECT_EQ(order_from_bytes(order_bytes(unlucky), 7), unlucky);
+  for (std::uint32_t size = 0; size <= 7; ++size) {
+    std::vector<std::uint32_t> map(size);
+    for (std::uint32_t i = 0; i < size; ++i) map[i] = i;
+    do {
+      const auto order = Permutation::from_new_of_old(map);
+      ASSERT_EQ(order_from_bytes(order_bytes(order), size), order);
+    } while (std::next_permutation(map.begin(), map.end()));
+  }
+  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    const auto order = shuffled(10 + static_cast<std::uint32_t>(seed % 90), seed);
+    ASSERT_EQ(order_from_bytes(order_bytes(order), order.size()), order) << seed;
+  }
+}
+
+TEST(TreeSection, ReadsManySmallTrees) {
+  Random random(9);
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::vector<std::uint32_t> parents = {ObjectTree::none}, objects = {ObjectTree::none};
+    const std::uint32_t size = 1 + random.below(20);
+    for (std::uint32_t n = 1; n < size; ++n) {
+      parents.push_back(random.below(2) == 0 ? (n - 1) / 2 : random.below(n));
+      objects.push_back(random.below(3) == 0 ? ObjectTree::none : random.below(8));
+    }
+    const auto tree = ObjectTree::from_parents(parents, objects, 8);
+    ASSERT_EQ(tree_from_bytes(tree_bytes(tree, false)).first, tree) << trial;
+  }
+}
+
 TEST(OrderSection, HasOneCodeForEachOrder) {
   for (const Permutation& order : {tour_like(40, 2), shuffled(20, 3), Permutation::identity(9)}) {
     expect_one_code(
@@ -219,6 +251,14 @@ TEST(NameSection, HasOneCodeForTheNames) {
   const std::vector<std::string> names = {"", "wall 1", "wall 12", "wall", "", "\xc3\xa4", "wall 1"};
   expect_one_code(name_bytes(names), names_from_bytes, [](const auto& read) { return name_bytes(read); });
   EXPECT_EQ(names_from_bytes(name_bytes(names)), names);
+}
+
+// Long paths that differ at their ends are kept.
+TEST(NameSection, KeepsLongNamesThatBeginAlike) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 20000; ++i) names.push_back(std::string(600, 'p') + "/" + std::to_string(i));
+  EXPECT_EQ(names_from_bytes(name_bytes(names)), names);
+  EXPECT_THROW(name_bytes(std::vector<std::string>(60000, std::string(50000, 'p'))), std::invalid_argument);
 }
 
 // Each name repeats all of the one before: short bytes for 50 GB of names.

@@ -131,6 +131,18 @@ TEST(Boxes, AreWhatAPayloadIsCodedUnder) {
   refused(side_of(codec, moved), "under other boxes");
   std::swap(moved.row_bounds, moved.column_bounds);
   refused(side_of(codec, moved), "under other boxes");
+  // A file that tells no boxes, or others in number, is not decoded under those given.
+  Container none = read_container(file);
+  none.boxes.reset();
+  EXPECT_THROW(decompress(none, codec, boxes), FormatError);
+  const auto without = write_container(none);
+  EXPECT_THROW(RowReader(without, std::span(&codec, 1), boxes), FormatError);
+  Dataset fewer = data;
+  fewer.row_bounds.resize(1);
+  Container claims = read_container(file);
+  claims.boxes = box_sums(side_of(codec, fewer));
+  EXPECT_THROW(decompress(claims, codec, side_of(codec, fewer)), FormatError);
+  EXPECT_THROW(compress(data.matrix, codec, {}, {}, side_of(codec, fewer)), std::invalid_argument);
   data.row_bounds.clear();
   EXPECT_NE(obstacle(codec, data), "");
   EXPECT_THROW(prepared_for(codec, data), std::invalid_argument);

@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "matrix/atomic_file.h"
+#include "matrix/binsparse.h"
 #include "matrix/byte_reader.h"
 #include "matrix/hdf5_file.h"
 #include "matrix/random.h"
@@ -212,7 +213,9 @@ TEST(Dataset, RefusesGeometryThatDoesNotFit) {
   const auto refused = [&](const std::string& words, const std::function<void(Dataset&)>& slip) {
     Dataset dataset = full_dataset();
     slip(dataset);
-    write_dataset(folder / "a.h5", dataset);
+    Hdf5File file = Hdf5File::create(folder / "a.h5");  // unchecked
+    write_binsparse(file, dataset);
+    file.close();
     const std::string text = refusal(folder / "a.h5");
     EXPECT_NE(text.find(words), std::string::npos) << text;
     EXPECT_EQ(text.find('\n'), std::string::npos);
@@ -230,10 +233,19 @@ TEST(Dataset, RefusesGeometryThatDoesNotFit) {
     d = over_nodes(d);
     d.matrix = VisibilityMatrix::from_rows({{4}, {}, {}}, 5);
   });
-  refused("/vismat/tree is missing", [](Dataset& d) {
+  refused("/vismat/tree: is missing", [](Dataset& d) {
     d.source.columns_are_nodes = true;
     d.source.tree = std::nullopt;
   });
+  refused("/vismat/row_names: has 2 names, but there are 3 rows", [](Dataset& d) { d.source.row_names.pop_back(); });
+  refused("/vismat/column_levels: has 1 columns, but there are 3 columns of the source",
+          [](Dataset& d) { d.source.column_levels.resize(1); });
+  refused("/vismat/row_tree: has 4 objects, but there are 3 rows",
+          [](Dataset& d) { d.source.row_tree = ObjectTree::from_parents({ObjectTree::none}, {0}, 4); });
+  Dataset misfit = full_dataset();
+  misfit.source.row_names.pop_back();
+  EXPECT_THROW(write_dataset(folder / "b.h5", misfit), std::invalid_argument);
+  EXPECT_EQ(folder.entries(), 1u);
   refused("/vismat/boundaries: must have dimensions [rows / 2, 2], but there are 3 rows", [](Dataset& d) {
     d.source.boundaries = {{Boundary::outside, 0}};
   });
