@@ -72,7 +72,13 @@ void add_encode(CLI::App& app) {
     Dataset data = read_dataset(options->in);
     if (const std::string why = obstacle(codec, data); !why.empty())
       throw std::invalid_argument(options->in.string() + ": " + why);
+    const bool were_differences = !data.source.boundaries.empty();
     data = prepared_for(codec, std::move(data), {.orders = options->order == "greedy", .stages = show_progress});
+    if (were_differences && data.source.boundaries.empty()) {
+      std::printf(
+          "the rows were differences between cells, known by their places; so the boundaries are left out, which "
+          "--rows natural keeps\n");
+    }
     if (codec.slow_encode) options->encode.progress = show_progress("encoding");
     Container container = compress(data, codec, options->encode);
     container.facts = facts_of(data);

@@ -35,8 +35,8 @@ std::string obstacle(const Codec& codec, const Dataset& data) {
   const SourceMap& source = data.source;
   if (codec.needs.tree == TreeOver::columns) {
     if (!source.tree) return "this codec needs a tree over the columns; make one with 'vismat tree'";
-    if (!source.boundaries.empty())
-      return "holds differences, which are not monotone over a tree of columns; encode the cells";
+    if (!source.boundaries.empty() && source.columns_are_nodes && !is_monotone(data.matrix, *source.tree))
+      return "holds differences between sets of nodes, which are not monotone over their tree; encode the cells";
   }
   if (codec.needs.tree == TreeOver::rows) {
     if (!source.boundaries.empty())
@@ -64,13 +64,12 @@ Dataset prepared_for(const Codec& codec, Dataset data, const PrepareOptions& opt
   if (!options.orders) return data;
 
   const auto [rows, columns] = data.matrix.shape();
-  const bool rows_move = data.source.boundaries.empty();
   Permutation by_rows = Permutation::identity(rows), by_columns = Permutation::identity(columns);
   if (columns_move && (needs.column_order || needs.shared_order))
     by_columns = best_order(data.matrix, {.stages = options.stages});
-  if (rows_move && needs.shared_order && rows == columns)
+  if (needs.shared_order && rows == columns && data.source.boundaries.empty())
     by_rows = by_columns;
-  else if (rows_move && needs.row_order)
+  else if (needs.row_order)  // differences lose their boundaries by it; who wants these asks for no orders
     by_rows = order_rows_greedily(data.matrix, begin_stage(options.stages, "ordering rows"));
   return reordered(std::move(data), by_rows, by_columns);
 }

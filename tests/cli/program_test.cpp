@@ -276,6 +276,11 @@ TEST(Program, CarriesTheSourceMapThroughEveryVerb) {
   run({"deltas", "--undo", deltas, "-o", out});
   EXPECT_EQ(read_dataset(out).source, read_dataset(folder / "nodes.bsp.h5").source);
   expect_refusal({"encode", deltas, "--codec", "zach0", "-o", file}, "holds differences");
+  run({"tree", in, "-o", out});
+  run({"deltas", out, "-o", deltas});  // of objects: the nodes above what appears or vanishes
+  run({"encode", deltas, "--codec", "zach0", "-o", file});
+  run({"decode", file, "-o", out});
+  run({"encode", out, "--codec", "zach3-range", "-o", file});
   expect_refusal({"tree", deltas, "--side", "rows", "--by", "sets", "-o", deltas}, "holds differences");
   // Merged and expanded: the names are the source's all the time.
   run({"merge", in, "--lost", ".05", "--side", "both", "-o", out});
