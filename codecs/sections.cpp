@@ -163,7 +163,7 @@ std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, st
 
 // A short entry may stand for a long name: together names may be as long as this.
 static std::uint64_t most_of_names(std::uint64_t section_bytes) {
-  return (std::uint64_t{1} << 24) + 4096 * section_bytes;
+  return (std::uint64_t{1} << 24) + 256 * section_bytes;
 }
 
 // Of each name how many bytes it begins with that the one before has too, how many more it has, and these.

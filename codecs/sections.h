@@ -39,7 +39,7 @@ std::vector<std::byte> level_bytes(std::span<const ObjectLevel> levels);
 std::vector<ObjectLevel> levels_from_bytes(std::span<const std::byte> bytes);
 
 /// First rows of bands, from row 0 on and ascending. Throws std::invalid_argument where they are not. Names: where they are
-/// thousands of times as long as what tells them.
+/// hundreds of times as long as what tells them.
 std::vector<std::byte> band_bytes(std::span<const std::uint32_t> bands, std::uint32_t rows);
 std::vector<std::uint32_t> bands_from_bytes(std::span<const std::byte> bytes, std::uint32_t rows);
 

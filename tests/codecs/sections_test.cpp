@@ -256,18 +256,18 @@ TEST(NameSection, HasOneCodeForTheNames) {
 // Long paths that differ at their ends are kept.
 TEST(NameSection, KeepsLongNamesThatBeginAlike) {
   std::vector<std::string> names;
-  for (int i = 0; i < 20000; ++i) names.push_back(std::string(600, 'p') + "/" + std::to_string(i));
+  for (int i = 0; i < 5000; ++i) names.push_back(std::string(600, 'p') + "/" + std::to_string(i));
   EXPECT_EQ(names_from_bytes(name_bytes(names)), names);
-  EXPECT_THROW(name_bytes(std::vector<std::string>(60000, std::string(50000, 'p'))), std::invalid_argument);
+  EXPECT_THROW(name_bytes(std::vector<std::string>(2000, std::string(50000, 'p'))), std::invalid_argument);
 }
 
-// Each name repeats all of the one before: short bytes for 50 GB of names.
+// Each name repeats all of the one before: short bytes for 1 GB of names.
 TEST(NameSection, RefusesNamesThatGrowWithoutBytes) {
   std::vector<std::byte> bytes;
   put_varint(bytes, 0);
   put_varint(bytes, 50000);
   bytes.resize(bytes.size() + 50000, std::byte{'a'});
-  for (int i = 0; i < 1000000; ++i)
+  for (int i = 0; i < 20000; ++i)
     bytes.insert(bytes.end(), {std::byte{0xd0}, std::byte{0x86}, std::byte{3}, std::byte{0}});
   EXPECT_THROW(names_from_bytes(bytes), FormatError);
 }
