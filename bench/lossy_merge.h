@@ -136,7 +136,7 @@ inline Code code_of(const Codec& codec, const Merge& merge, const VisibilityMatr
     throw std::runtime_error(std::string(codec.name) + " adds to what was merged");
   Code code;
   code.bytes = read.encoded.payload.size();
-  if (codec.open != nullptr && codec.needs.tree == TreeOver::nothing) code.bytes += read.encoded.index.size();
+  if (codec.rows_alone()) code.bytes += read.encoded.index.size();
   const LengthStatistics lengths =
       length_statistics(codec, merge.data.matrix, tree_for(codec, merge.data.source));
   if (lengths.lengths > 0)

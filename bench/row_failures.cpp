@@ -90,7 +90,7 @@ void measure(std::string& csv, double seconds) {
     for (std::uint32_t r = 0; r < rows; ++r) lists.push_back(kind.make(r));
     const auto matrix = VisibilityMatrix::from_rows(lists, columns);
     for (const Codec& codec : all_codecs()) {
-      if (codec.open == nullptr || codec.needs.tree != TreeOver::nothing) continue;
+      if (!codec.rows_alone()) continue;
       const Container container = compress(matrix, codec);
       if (decompress(container, codec) != matrix)
         throw std::runtime_error(std::string(codec.name) + " does not restore " + kind.name);

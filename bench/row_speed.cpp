@@ -233,9 +233,7 @@ int main(int argc, char** argv) {
     const VisibilityMatrix matrix =
         count == 2 ? read_dataset(arguments[1]).matrix : differences_like_the_papers();
     std::vector<Codec> codecs = all_codecs();
-    std::erase_if(codecs, [](const Codec& codec) {
-      return codec.open == nullptr || codec.needs.tree != TreeOver::nothing;
-    });
+    std::erase_if(codecs, [](const Codec& codec) { return !codec.rows_alone(); });
     for (const Codec& codec : codecs) {
       for (const bool cold : {false, true}) {
         register_form<Ids>(codec, matrix, cold);

@@ -99,9 +99,7 @@ std::vector<Codec> chosen_codecs(const std::vector<std::string>& names) {
   std::vector<Codec> codecs;
   for (const std::string& name : names) codecs.push_back(find_codec(name));
   if (names.empty()) codecs = all_codecs();
-  std::erase_if(codecs, [](const Codec& codec) {
-    return codec.open == nullptr || codec.needs.tree != TreeOver::nothing;
-  });
+  std::erase_if(codecs, [](const Codec& codec) { return !codec.rows_alone(); });
   return codecs;
 }
 

@@ -13,6 +13,7 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "codecs/container.h"
 #include "matrix/atomic_file.h"
 #include "matrix/byte_reader.h"
@@ -145,16 +146,6 @@ void print_level(const Level& level) {
   line("format", level.format);
   line("holds", summary(level));
   print_size(level.cells.shape(), level.cells.ones());
-}
-
-// Prefixes the file's name to what reading it throws.
-template <typename Work>
-auto naming(const std::string& where, const Work& work) {
-  try {
-    return work();
-  } catch (const FormatError& error) {
-    throw FormatError(where + ": " + error.what());
-  }
 }
 
 std::string first_bytes(const std::filesystem::path& path) {

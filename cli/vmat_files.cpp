@@ -33,24 +33,20 @@ void read_facts(const std::string& facts, Dataset& data) {
 
 Dataset dataset_of(Container container, const Side& boxes) {
   const std::vector<Codec> codecs = all_codecs();
-  const Codec* const codec = codec_named(container.codec, codecs);
-  if (codec == nullptr) throw FormatError("codec '" + container.codec + "' is unknown here");
+  const Codec& codec = codec_of_file(container.codec, codecs);
   Dataset data;
   read_facts(container.facts, data);
-  data.matrix = decompress(container, *codec, boxes);
+  data.matrix = decompress(container, codec, boxes);
   data.source = std::move(container.source);
   drop_tree_over_lists(data.source, data.matrix.shape());
   return data;
 }
 
-// What is refused names the file.
-template <typename Work>
-auto naming(const std::filesystem::path& path, const Work& work) {
-  try {
-    return work();
-  } catch (const FormatError& error) {
-    throw FormatError(path.string() + ": " + error.what());
-  }
+bool is_vmat(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, vmat::magic.size()> begin = {};
+  file.read(begin.data(), begin.size());
+  return vmat::begins_vmat(std::as_bytes(std::span(begin)));
 }
 
 }  // namespace
@@ -78,13 +74,6 @@ Dataset read_vmat_of_any_version(const std::filesystem::path& path, const Side& 
   return naming(path, [&] {
     return dataset_of(is_vmat3(bytes) ? read_vmat3(bytes, all_codecs()) : read_container(bytes), boxes);
   });
-}
-
-bool is_vmat(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, vmat::magic.size()> begin = {};
-  file.read(begin.data(), begin.size());
-  return vmat::begins_vmat(std::as_bytes(std::span(begin)));
 }
 
 Dataset read_any_matrix(const std::filesystem::path& path) {

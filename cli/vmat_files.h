@@ -9,6 +9,16 @@
 
 namespace vismat::cli {
 
+/// What work() gives; a FormatError that it throws names the file, or the level in it.
+template <typename Work>
+auto naming(const std::filesystem::path& where, const Work& work) {
+  try {
+    return work();
+  } catch (const FormatError& error) {
+    throw FormatError(where.string() + ": " + error.what());
+  }
+}
+
 /// The facts that Container keeps, a line each.
 std::string facts_of(const Dataset& data);
 /// Calls work with the container of the file; what goes wrong names the file.
@@ -18,8 +28,6 @@ void with_container(const std::filesystem::path& path, const std::function<void(
 Dataset read_vmat(const std::filesystem::path& path, const Side& boxes = {});
 /// The same of a file of version 3 or of today's.
 Dataset read_vmat_of_any_version(const std::filesystem::path& path, const Side& boxes = {});
-/// Whether the file begins like a `.vmat` file of some version; false where it cannot be opened.
-bool is_vmat(const std::filesystem::path& path);
 /// `.vmat`, or what read_dataset reads; told apart by the first bytes.
 Dataset read_any_matrix(const std::filesystem::path& path);
 

@@ -8,7 +8,6 @@
 
 #include <array>
 #include <bit>
-#include <cstring>
 #include <memory>
 #include <new>
 #include <string>
@@ -32,9 +31,7 @@ constexpr std::size_t bitset_bytes = 8192;
 
 template <typename Number>
 Number number(Bytes bytes, std::size_t i) {
-  Number value;
-  std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
-  return value;
+  return number_at<Number>(bytes, i * sizeof(Number));
 }
 
 void check_array(ByteReader& in, std::uint32_t ones) {

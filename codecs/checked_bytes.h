@@ -8,6 +8,10 @@
 
 namespace vismat {
 
+/// Makes right the checksums of a file of a head, the checksums of the body's blocks, and the body. The head ends in two: that of
+/// the blocks' checksums, and that of the head before it.
+void seal(std::span<std::byte> file, std::size_t head_bytes, std::uint64_t body_bytes);
+
 /// `body` in blocks of block_bytes, with the CRC-32 of each, four bytes, in `sums`. Both are borrowed. Thread-safe.
 class CheckedBytes {
  public:
@@ -28,7 +32,6 @@ class CheckedBytes {
     }
     return bytes;
   }
-  std::uint64_t blocks() const { return blocks_of(body_.size()); }
 
  private:
   void check(std::uint64_t block) const;

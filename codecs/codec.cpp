@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "codecs/ans.h"
@@ -79,6 +80,12 @@ std::span<const Codec> own_codecs() {
 const Codec* codec_named(std::string_view name, std::span<const Codec> codecs) {
   const auto found = std::ranges::find(codecs, name, &Codec::name);
   return found == codecs.end() ? nullptr : &*found;
+}
+
+const Codec& codec_of_file(std::string_view name, std::span<const Codec> codecs) {
+  const Codec* const found = codec_named(name, codecs);
+  if (found == nullptr) throw FormatError("codec '" + std::string(name) + "' is unknown here");
+  return *found;
 }
 
 const ObjectTree* tree_for(const Codec& codec, const SourceMap& source) {

@@ -78,7 +78,7 @@ struct Codec {
   std::string_view name;
   std::string_view contents;  // what the payload holds, for tables
   Origin origin = Origin::ours;
-  Needs needs;
+  Needs needs = {};
   bool slow_encode =
       false;              // milliseconds for a matrix of a few dozen rows, seconds or minutes for a level's
   bool searches = false;  // encode() goes on for EncodeOptions::seconds where these are given
@@ -95,6 +95,9 @@ struct Codec {
   std::unique_ptr<const RowSource> (*open)(Parts, Shape, const Side&) = nullptr;
   /// Of a codec over a tree: how it codes a node (tree_coding.h). Otherwise null.
   std::unique_ptr<NodeCoder> (*node_coder)() = nullptr;
+
+  /// Whether it gives any row alone without a tree to come down.
+  bool rows_alone() const { return open != nullptr && needs.tree == TreeOver::nothing; }
 };
 
 /// Of a matrix's two trees the one for this codec; null if there is none.
@@ -106,6 +109,8 @@ VisibilityMatrix decode(const Codec& codec, const Encoded& encoded, Shape shape,
 
 /// The codec of that name; null where there is none. The one place where names are compared.
 const Codec* codec_named(std::string_view name, std::span<const Codec> codecs);
+/// The codec that a file names. Throws FormatError where there is none.
+const Codec& codec_of_file(std::string_view name, std::span<const Codec> codecs);
 
 /// Our own codecs; they need POSIX and the C++20 standard library alone.
 std::span<const Codec> own_codecs();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstring>
 #include <stdexcept>
 
 #include "codecs/bit_stream.h"
@@ -21,14 +20,6 @@ void put(std::vector<std::byte>& out, Number value) {
   const auto* bytes = reinterpret_cast<const std::byte*>(&value);
   out.insert(out.end(), bytes, bytes + sizeof value);
 }
-void store(std::span<std::byte> out, std::size_t at, std::uint32_t value) {
-  std::memcpy(out.data() + at, &value, sizeof value);
-}
-std::uint32_t load(std::span<const std::byte> bytes, std::size_t at) {
-  std::uint32_t value;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
 
 struct Layout {
   std::size_t head = 0;  // bytes of the head, with its two checksums
@@ -38,14 +29,14 @@ struct Layout {
 // Where the checksums and the body of a file begin whose head is there; nullopt where its sizes do not add up to the file's.
 std::optional<Layout> layout_of(std::span<const std::byte> file) {
   if (file.size() < vmat::fixed_head_bytes) return std::nullopt;
-  const std::uint64_t sections = load(file, vmat::fixed_head_bytes - 4);
+  const auto sections = number_at<std::uint32_t>(file, vmat::fixed_head_bytes - 4);
   const std::uint64_t head =
-      vmat::fixed_head_bytes + sections * vmat::section_entry_bytes + vmat::head_sums_bytes;
+      vmat::fixed_head_bytes + std::uint64_t{sections} * vmat::section_entry_bytes + vmat::head_sums_bytes;
   if (head > file.size()) return std::nullopt;
   Layout layout{head, 0};
   ByteReader in(file, ".vmat");
   in.skip(vmat::fixed_head_bytes);
-  for (std::uint64_t s = 0; s < sections; ++s) {
+  for (std::uint32_t s = 0; s < sections; ++s) {
     in.skip(4);
     const auto size = in.number<std::uint64_t>();
     if (size > file.size() - layout.body) return std::nullopt;  // also where the sum would overflow
@@ -87,6 +78,18 @@ void check_boxes(const Codec& codec, Shape shape, const std::optional<BoxSums>& 
     throw FormatError("was coded under other boxes of rows and columns than those given");
 }
 
+std::tuple<Shape, std::uint64_t, std::string> read_head_fields(ByteReader& head) {
+  const auto rows = head.number<std::uint32_t>(), columns = head.number<std::uint32_t>();
+  const auto ones = head.number<std::uint64_t>();
+  if (ones > std::uint64_t{rows} * columns) head.fail("more ones than the matrix has places");
+  std::string codec = text(head.bytes(vmat::name_bytes));
+  const std::size_t name_end = std::min(codec.find('\0'), codec.size());
+  if (codec.find_first_not_of('\0', name_end) != std::string::npos)
+    head.fail("bytes behind the codec's name");
+  codec.resize(name_end);
+  return {Shape{rows, columns}, ones, std::move(codec)};
+}
+
 ContainerHead::ContainerHead(std::span<const std::byte> file) {
   ByteReader in(file, ".vmat");
   if (!vmat::begins_vmat(file)) in.fail("not a .vmat file: the magic number differs");
@@ -100,17 +103,10 @@ ContainerHead::ContainerHead(std::span<const std::byte> file) {
   if (!layout)
     in.fail("the file has " + std::to_string(file.size()) +
             " bytes, not what its head tells: cut short or damaged");
-  if (crc32(file.first(layout->head - 4)) != load(file, layout->head - 4))
+  if (crc32(file.first(layout->head - 4)) != number_at<std::uint32_t>(file, layout->head - 4))
     in.fail("the head's checksum differs: the file is damaged");
 
-  shape.rows = in.number<std::uint32_t>();
-  shape.columns = in.number<std::uint32_t>();
-  ones = in.number<std::uint64_t>();
-  if (ones > std::uint64_t{shape.rows} * shape.columns) in.fail("more ones than the matrix has places");
-  codec = text(in.bytes(vmat::name_bytes));
-  const std::size_t name_end = std::min(codec.find('\0'), codec.size());
-  if (codec.find_first_not_of('\0', name_end) != std::string::npos) in.fail("bytes behind the codec's name");
-  codec.resize(name_end);
+  std::tie(shape, ones, codec) = read_head_fields(in);
   body_ = file.last(layout->body);
   sums_ = file.subspan(layout->head, file.size() - layout->body - layout->head);
   std::uint64_t at = 0;
@@ -137,16 +133,7 @@ std::span<const std::byte> ContainerHead::section(Section which) const {
 }
 
 void seal_container(std::span<std::byte> file) {
-  const auto layout = layout_of(file);
-  if (!layout) return;
-  const auto body = file.last(layout->body);
-  const auto sums = file.subspan(layout->head, file.size() - layout->body - layout->head);
-  for (std::uint64_t b = 0; b < sums.size() / 4; ++b) {
-    const std::uint64_t begin = b * CheckedBytes::block_bytes;
-    store(sums, 4 * b, crc32(body.subspan(begin, std::min(CheckedBytes::block_bytes, body.size() - begin))));
-  }
-  store(file, layout->head - 8, crc32(sums));
-  store(file, layout->head - 4, crc32(file.first(layout->head - 4)));
+  if (const auto layout = layout_of(file)) seal(file, layout->head, layout->body);
 }
 
 std::vector<std::byte> write_container(const Container& container) {
@@ -180,9 +167,9 @@ std::vector<std::byte> write_container(const Container& container) {
   add(Section::column_names, name_bytes(source.column_names));
   add(Section::column_levels, level_bytes(source.column_levels));
   if (container.boxes) {
-    std::vector<std::byte> sums(8);
-    store(sums, 0, container.boxes->rows);
-    store(sums, 4, container.boxes->columns);
+    std::vector<std::byte> sums;
+    put(sums, container.boxes->rows);
+    put(sums, container.boxes->columns);
     add(Section::boxes, std::move(sums));
   }
   add(Section::bands, band_bytes(encoded.bands, container.shape.rows));
@@ -259,7 +246,7 @@ std::optional<BoxSums> read_box_sums(const ContainerHead& head, const CheckedByt
   if (bytes.empty()) return std::nullopt;
   if (bytes.size() != 8)
     throw FormatError("the checksums of boxes take 8 bytes, not " + std::to_string(bytes.size()));
-  return BoxSums{load(bytes, 0), load(bytes, 4)};
+  return BoxSums{number_at<std::uint32_t>(bytes, 0), number_at<std::uint32_t>(bytes, 4)};
 }
 
 std::vector<std::uint32_t> read_bands(const ContainerHead& head, const CheckedBytes& body) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,9 @@ VisibilityMatrix decompress(const Container& container, const Codec& codec, cons
 /// Throws FormatError unless a codec that needs boxes has these of each row and column, and they are those coded under.
 void check_boxes(const Codec& codec, Shape shape, const std::optional<BoxSums>& coded_under,
                  const Side& boxes);
+
+/// Shape, ones and the codec's name, which stand so in the heads of versions 3 and 4. Throws FormatError.
+std::tuple<Shape, std::uint64_t, std::string> read_head_fields(ByteReader& head);
 
 /// The head of a file and where its sections lie; what a reader checks before it touches anything else.
 class ContainerHead {

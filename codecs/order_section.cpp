@@ -4,7 +4,6 @@
 // take 1.1. A Fenwick tree counts the unvisited. The way is that through the source's numbers in the present order, or through
 // the present numbers in the source's order, whichever is shorter.
 #include <algorithm>
-#include <numeric>
 
 #include "codecs/bit_stream.h"
 #include "codecs/sections.h"

@@ -35,13 +35,11 @@ class Parts {
 
   std::uint64_t count() const { return index_.parts(); }
   std::uint64_t payload_bytes() const { return payload_.size(); }
-  /// All of the payload. O(its blocks).
-  std::span<const std::byte> payload() const { return checked(payload_); }
-  /// All of a payload that is one piece. Throws FormatError where there is an index.
+  /// All of a payload that is one piece, O(its blocks). Throws FormatError where there is an index.
   std::span<const std::byte> whole() const {
     if (in_pieces_) throw FormatError("an index of parts; this codec's payload is one piece");
     expect_no_sections();
-    return payload();
+    return checked(payload_);
   }
   /// What stands before the first part.
   std::span<const std::byte> model() const {

@@ -68,6 +68,14 @@ void get_bitmap_row(std::span<const std::byte> bytes, Sink& sink) {
 namespace detail {
 
 template <typename Rows>
+constexpr bool escapes() {
+  if constexpr (requires { Rows::escapes; })
+    return Rows::escapes;
+  else
+    return false;
+}
+
+template <typename Rows>
 constexpr std::uint32_t rows_per_part() {
   if constexpr (requires { Rows::rows_per_part; })
     return Rows::rows_per_part;
@@ -102,14 +110,12 @@ class RowsOf final : public RowSource {
       rows_.decode_row(row, parts_, scratch, sink);
     } else {
       const std::span<const std::byte> part = parts_.part(row / rows_per_part<Rows>());
-      if constexpr (requires { Rows::escapes; }) {
-        if constexpr (Rows::escapes) {
-          const std::size_t bitmap = row_bytes_of(sink.columns());
-          if (part.size() == bitmap) return get_bitmap_row(part, sink);
-          if (part.size() > bitmap) [[unlikely]]
-            throw FormatError("a row of " + std::to_string(part.size()) + " bytes; its bitmap has " +
-                              std::to_string(bitmap));
-        }
+      if constexpr (escapes<Rows>()) {
+        const std::size_t bitmap = row_bytes_of(sink.columns());
+        if (part.size() == bitmap) return get_bitmap_row(part, sink);
+        if (part.size() > bitmap) [[unlikely]]
+          throw FormatError("a row of " + std::to_string(part.size()) + " bytes; its bitmap has " +
+                            std::to_string(bitmap));
       }
       if constexpr (requires { rows_.decode(part, row, scratch, sink); })
         rows_.decode(part, row % rows_per_part<Rows>(), scratch, sink);
@@ -140,7 +146,7 @@ Encoded encode_rows_with(Rows rows, const VisibilityMatrix& matrix) {
       const std::size_t begin = out.payload.size();
       starts.push_back(begin);
       rows.encode(matrix.row(r), out.payload);
-      if constexpr (Rows::escapes) {
+      if constexpr (escapes<Rows>()) {
         if (out.payload.size() - begin < row_bytes_of(columns)) continue;
         out.payload.resize(begin);
         put_bitmap_row(out.payload, matrix.row(r), columns);
@@ -187,10 +193,7 @@ VisibilityMatrix decode_rows(const Parts& parts, Shape shape, const Side& side, 
 
 template <typename Rows>
 constexpr Codec row_codec(std::string_view name, std::string_view contents, Origin origin) {
-  Codec codec{};
-  codec.name = name;
-  codec.contents = contents;
-  codec.origin = origin;
+  Codec codec{.name = name, .contents = contents, .origin = origin};
   codec.encode = detail::encode_rows<Rows>;
   codec.decode = detail::decode_rows<Rows>;
   codec.open = detail::open_rows<Rows>;

@@ -53,10 +53,9 @@ class Mapping {
 };
 
 Codec codec_of(const std::string& name, std::span<const Codec> codecs) {
-  const Codec* const found = codec_named(name, codecs);
-  if (found == nullptr) throw FormatError("codec '" + name + "' is unknown here");
-  if (found->open == nullptr) throw FormatError("codec '" + name + "' gives no single rows; decode the file");
-  return *found;
+  const Codec& codec = codec_of_file(name, codecs);
+  if (codec.open == nullptr) throw FormatError("codec '" + name + "' gives no single rows; decode the file");
+  return codec;
 }
 
 }  // namespace

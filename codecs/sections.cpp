@@ -16,12 +16,6 @@
 namespace vismat {
 namespace {
 
-std::uint32_t small_varint(ByteReader& in, const char* what) {
-  const std::uint64_t value = in.varint();
-  if (value > 0xffffffff) in.fail(std::string(what) + " " + std::to_string(value) + " does not fit 32 bits");
-  return static_cast<std::uint32_t>(value);
-}
-
 // Of each member how many members back the last one of its group stands, plus 1; 1 for the first of a group.
 std::vector<std::uint32_t> steps_back(const Partition& groups) {
   constexpr std::uint32_t none = 0xffffffff;
@@ -46,7 +40,18 @@ std::vector<std::uint32_t> by_first_member(const Partition& groups) {
   return order;
 }
 
+// A short entry may stand for a long name: together names may be as long as this.
+std::uint64_t most_of_names(std::uint64_t section_bytes) {
+  return (std::uint64_t{1} << 24) + 256 * section_bytes;
+}
+
 }  // namespace
+
+std::uint32_t small_varint(ByteReader& in, const char* what) {
+  const std::uint64_t value = in.varint();
+  if (value > 0xffffffff) in.fail(std::string(what) + " " + std::to_string(value) + " does not fit 32 bits");
+  return static_cast<std::uint32_t>(value);
+}
 
 std::vector<std::byte> group_bytes(const Partition& groups) {
   const auto steps = steps_back(groups), order = by_first_member(groups);
@@ -75,17 +80,11 @@ std::size_t group_size(const std::optional<Partition>& groups) {
   return groups ? group_bytes(*groups).size() : 0;
 }
 
-std::optional<Partition> groups_from_bytes(std::span<const std::byte> bytes, std::uint32_t groups) {
-  if (bytes.empty()) return std::nullopt;
-  ByteReader in(bytes, "groups section");
-  const std::uint32_t members = small_varint(in, "member count");
-  const std::uint64_t order_size = in.varint();
-  if (order_size > in.left()) in.fail("an order of " + std::to_string(order_size) + " bytes in fewer");
-  const auto order = order_from_bytes(in.bytes(order_size), groups);
+CodedGroups read_coded_groups(ByteReader& in, std::uint32_t members, std::uint32_t groups) {
   const HuffmanCode code = HuffmanCode::read(in, LengthSymbol::count);
   if (members / 8 > in.left())
     in.fail(std::to_string(members) + " members in " + std::to_string(in.left()) + " bytes");
-  BitReader bits(bytes.subspan(in.offset()));
+  BitReader bits(in.bytes(in.left()));
   std::vector<std::uint32_t> map;
   map.reserve(members);
   std::uint32_t met = 0;
@@ -95,11 +94,22 @@ std::optional<Partition> groups_from_bytes(std::span<const std::byte> bytes, std
     if (step - 1 > map.size()) in.fail("a member's group begins before the first member");
     map.push_back(step == 1 ? met++ : map[map.size() - (step - 1)]);
   }
-  bits.finish();
   if (met != groups)
     in.fail(std::to_string(met) + " groups; there are " + std::to_string(groups) + " rows or columns");
+  return {std::move(map), bits};
+}
+
+std::optional<Partition> groups_from_bytes(std::span<const std::byte> bytes, std::uint32_t groups) {
+  if (bytes.empty()) return std::nullopt;
+  ByteReader in(bytes, "groups section");
+  const std::uint32_t members = small_varint(in, "member count");
+  const std::uint64_t order_size = in.varint();
+  if (order_size > in.left()) in.fail("an order of " + std::to_string(order_size) + " bytes in fewer");
+  const auto order = order_from_bytes(in.bytes(order_size), groups);
+  auto coded = read_coded_groups(in, members, groups);
+  coded.rest.finish();
   try {
-    auto partition = Partition::from_group_of_member(std::move(map));
+    auto partition = Partition::from_group_of_member(std::move(coded.group_of_member));
     // The order leads from the present groups to those in the order of their first members.
     if (order) partition = renumbered(partition, order->inverse());
     if (!std::ranges::equal(group_bytes(partition), bytes)) in.fail("another code than the writer's");
@@ -159,11 +169,6 @@ std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, st
     in.fail(error.what());
   }
   return boundaries;
-}
-
-// A short entry may stand for a long name: together names may be as long as this.
-static std::uint64_t most_of_names(std::uint64_t section_bytes) {
-  return (std::uint64_t{1} << 24) + 256 * section_bytes;
 }
 
 // Of each name how many bytes it begins with that the one before has too, how many more it has, and these.

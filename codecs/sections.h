@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "codecs/bit_stream.h"
+#include "matrix/byte_reader.h"
 #include "matrix/source_map.h"
 
 namespace vismat {
@@ -26,6 +28,12 @@ std::optional<Permutation> order_from_bytes(std::span<const std::byte> bytes, st
 /// Members of a group tend to stand near one another: each tells how far back the last one of its group stands.
 std::vector<std::byte> group_bytes(const Partition& groups);
 std::optional<Partition> groups_from_bytes(std::span<const std::byte> bytes, std::uint32_t groups);
+/// What the section ends in, in every version of the format: the group of each member, and the bits behind.
+struct CodedGroups {
+  std::vector<std::uint32_t> group_of_member;
+  BitReader rest;
+};
+CodedGroups read_coded_groups(ByteReader& in, std::uint32_t members, std::uint32_t groups);
 /// As many bytes as group_bytes has; 0 for no groups.
 std::size_t group_size(const std::optional<Partition>& groups);
 
@@ -42,5 +50,8 @@ std::vector<ObjectLevel> levels_from_bytes(std::span<const std::byte> bytes);
 /// hundreds of times as long as what tells them.
 std::vector<std::byte> band_bytes(std::span<const std::uint32_t> bands, std::uint32_t rows);
 std::vector<std::uint32_t> bands_from_bytes(std::span<const std::byte> bytes, std::uint32_t rows);
+
+/// A number of a section. Throws FormatError where it takes more than 32 bits; `what` tells what it is.
+std::uint32_t small_varint(ByteReader& in, const char* what);
 
 }  // namespace vismat

@@ -149,10 +149,7 @@ std::unique_ptr<const RowSource> open_over_tree(std::unique_ptr<NodeCoder> coder
 /// A line of the table for a method, which is a NodeCoder.
 template <typename Coder, TreeOver over>
 constexpr Codec tree_codec(std::string_view name, std::string_view contents, Origin origin) {
-  Codec codec{};
-  codec.name = name;
-  codec.contents = contents;
-  codec.origin = origin;
+  Codec codec{.name = name, .contents = contents, .origin = origin};
   codec.needs.tree = over;
   codec.encode = [](const VisibilityMatrix& matrix, const Side& side, const EncodeOptions& options) {
     Coder coder;

@@ -110,10 +110,12 @@ std::vector<std::uint32_t> code_parents(Coder& coder, Numbering numbering, std::
   return parents.parents();
 }
 
-// Objects of the nodes; `has_children` of each.
+// Objects of the nodes with these parents; a writer's are `objects`.
 template <typename Coder>
-std::vector<std::uint32_t> code_objects(Coder& coder, const std::vector<bool>& has_children,
+std::vector<std::uint32_t> code_objects(Coder& coder, std::span<const std::uint32_t> parents,
                                         std::uint32_t object_count, std::span<const std::uint32_t> objects) {
+  std::vector<bool> has_children(parents.size(), false);
+  for (std::size_t n = 1; n < parents.size(); ++n) has_children[parents[n]] = true;
   constexpr std::uint32_t unseen = 0xffffffff;
   std::array<AdaptiveBit, 2> holds;
   std::array<AdaptiveBit, 2> is_new;
@@ -121,7 +123,7 @@ std::vector<std::uint32_t> code_objects(Coder& coder, const std::vector<bool>& h
   Steps steps(object_count);
   std::vector<std::uint32_t> result, held, last_place(objects.empty() ? 0 : object_count, unseen);
   bool last_new = true;
-  for (std::size_t n = 0; n < has_children.size(); ++n) {
+  for (std::size_t n = 0; n < parents.size(); ++n) {
     const std::uint32_t object = Coder::reads ? 0 : objects[n];
     if (!coder.bit(holds[has_children[n]], object != ObjectTree::none)) {
       result.push_back(ObjectTree::none);
@@ -155,9 +157,7 @@ std::vector<std::byte> tree_bytes(const ObjectTree& tree, bool nodes) {
   const std::size_t begin = out.size();
   AdaptiveWriter coder(out);
   code_parents(coder, numbering, tree.size(), &tree);
-  std::vector<bool> has_children(tree.size());
-  for (std::uint32_t n = 0; n < tree.size(); ++n) has_children[n] = !tree.children(n).empty();
-  code_objects(coder, has_children, tree.object_count(), tree.object_of_node());
+  code_objects(coder, tree.parent_of_node(), tree.object_count(), tree.object_of_node());
   coder.finish();
   try {
     check_backed(tree.object_count(), out.size() - begin, "objects of a tree");
@@ -179,11 +179,7 @@ std::pair<ObjectTree, bool> tree_from_bytes(std::span<const std::byte> bytes) {
   check_backed(size, in.left(), "nodes of a tree");
   AdaptiveReader coder(bytes.subspan(in.offset()));
   auto parents = code_parents(coder, numbering, static_cast<std::uint32_t>(size), nullptr);
-  std::vector<bool> has_children(size, false);
-  for (const std::uint32_t parent : parents) {
-    if (parent != ObjectTree::none) has_children[parent] = true;
-  }
-  auto held = code_objects(coder, has_children, static_cast<std::uint32_t>(objects), {});
+  auto held = code_objects(coder, parents, static_cast<std::uint32_t>(objects), {});
   try {
     auto tree =
         ObjectTree::from_parents(std::move(parents), std::move(held), static_cast<std::uint32_t>(objects));

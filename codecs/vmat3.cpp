@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "codecs/bit_stream.h"
 #include "codecs/elias_fano.h"
-#include "codecs/huffman.h"
 #include "codecs/part_index.h"
-#include "codecs/run_length_symbols.h"
 #include "codecs/sections.h"
 #include "matrix/checksum.h"
 #include "matrix/claimed_shape.h"
@@ -37,13 +36,6 @@ enum {
   sections
 };
 constexpr std::size_t head_bytes = 148;
-constexpr std::uint64_t block_bytes = 4096;
-
-std::uint32_t load(Bytes bytes, std::size_t at) {
-  std::uint32_t value;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
 
 struct File {
   std::array<Bytes, sections> section;
@@ -61,7 +53,7 @@ std::optional<File> file_of(Bytes bytes) {
     if (size > bytes.size() - body) return std::nullopt;
     body += size;
   }
-  const std::uint64_t blocks = (body + block_bytes - 1) / block_bytes;
+  const std::uint64_t blocks = CheckedBytes::blocks_of(body);
   if (head_bytes + 4 * blocks + body != bytes.size()) return std::nullopt;
   File file;
   file.sums = bytes.subspan(head_bytes, 4 * blocks);
@@ -72,21 +64,6 @@ std::optional<File> file_of(Bytes bytes) {
     at += sizes[s];
   }
   return file;
-}
-
-std::uint32_t block_sum(Bytes body, std::uint64_t block) {
-  const std::uint64_t begin = block * block_bytes;
-  return crc32(body.subspan(begin, std::min(block_bytes, body.size() - begin)));
-}
-
-std::string text(Bytes bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::uint32_t small_varint(ByteReader& in) {
-  const std::uint64_t value = in.varint();
-  if (value > 0xffffffff) in.fail(std::to_string(value) + " does not fit 32 bits");
-  return static_cast<std::uint32_t>(value);
 }
 
 unsigned place_bits(std::uint32_t size) {
@@ -106,17 +83,17 @@ auto made(const char* section, const Make& make) {
 std::optional<ObjectTree> tree_of(Bytes bytes) {
   if (bytes.empty()) return std::nullopt;
   ByteReader in(bytes, "tree section");
-  const std::uint32_t objects = small_varint(in);
+  const std::uint32_t objects = small_varint(in, "object count");
   const std::uint64_t size = in.varint();
   if (size > in.left()) in.fail(std::to_string(size) + " nodes in " + std::to_string(in.left()) + " bytes");
   std::vector<std::uint32_t> parents, held;
   for (std::uint32_t n = 0; n < size; ++n) {
-    const std::uint32_t back = n == 0 ? 0 : small_varint(in);
+    const std::uint32_t back = n == 0 ? 0 : small_varint(in, "step back");
     if (n > 0 && (back == 0 || back > n))
       in.fail("node " + std::to_string(n) + " has its parent " + std::to_string(back) + " back");
     parents.push_back(n == 0 ? ObjectTree::none : n - back);
   }
-  for (std::uint32_t n = 0; n < size; ++n) held.push_back(small_varint(in) - 1);  // 0 becomes none
+  for (std::uint32_t n = 0; n < size; ++n) held.push_back(small_varint(in, "object") - 1);  // 0 becomes none
   if (in.left() != 0) in.fail("bytes after the last node");
   return made("tree", [&] { return ObjectTree::from_parents(std::move(parents), std::move(held), objects); });
 }
@@ -136,30 +113,17 @@ std::optional<Permutation> order_of(Bytes bytes, std::uint32_t size) {
 std::optional<Partition> groups_of(Bytes bytes, std::uint32_t groups) {
   if (bytes.empty()) return std::nullopt;
   ByteReader in(bytes, "groups section");
-  const std::uint32_t members = small_varint(in);
+  const std::uint32_t members = small_varint(in, "member count");
   const bool sorted = in.number<std::uint8_t>() == 0;
-  const HuffmanCode code = HuffmanCode::read(in, LengthSymbol::count);
-  if (members / 8 > in.left())
-    in.fail(std::to_string(members) + " members in " + std::to_string(in.left()) + " bytes");
-  BitReader bits(bytes.subspan(in.offset()));
-  std::vector<std::uint32_t> map;
-  std::uint32_t met = 0;
-  while (map.size() < members) {
-    const std::uint32_t symbol = code.get(bits);
-    const std::uint32_t step = length_of_symbol(symbol, bits.get(raw_bits_of_symbol(symbol)));
-    if (step - 1 > map.size()) in.fail("a member's group begins before the first member");
-    map.push_back(step == 1 ? met++ : map[map.size() - (step - 1)]);
-  }
-  if (met != groups)
-    in.fail(std::to_string(met) + " groups; there are " + std::to_string(groups) + " rows or columns");
+  auto coded = read_coded_groups(in, members, groups);
   return made("groups", [&] {
-    auto partition = Partition::from_group_of_member(std::move(map));
+    auto partition = Partition::from_group_of_member(std::move(coded.group_of_member));
     if (!sorted) {
       std::vector<std::uint32_t> order(groups);
-      for (std::uint32_t& g : order) g = bits.get(place_bits(groups));
+      for (std::uint32_t& g : order) g = coded.rest.get(place_bits(groups));
       partition = renumbered(partition, Permutation::from_new_of_old(std::move(order)));
     }
-    bits.finish();
+    coded.rest.finish();
     return partition;
   });
 }
@@ -198,9 +162,7 @@ std::vector<std::uint64_t> starts_of_rows(Bytes index, std::uint64_t parts, std:
       number |= std::uint64_t{low.get(std::min(16u, low_bits - b))} << b;
     if (number > payload_bytes || (!starts.empty() && number < starts.back())) throw damaged();
     if (starts.size() % 64 == 0) {
-      std::uint64_t sample;
-      std::memcpy(&sample, index.data() + 8 * (starts.size() / 64), sizeof sample);
-      if (sample != place) throw damaged();
+      if (number_at<std::uint64_t>(index, 8 * (starts.size() / 64)) != place) throw damaged();
     }
     starts.push_back(number);
   }
@@ -232,19 +194,11 @@ std::vector<std::byte> index_of(const Codec& codec, const File& file, Shape shap
 }  // namespace
 
 bool is_vmat3(Bytes file) {
-  return vmat::begins_vmat(file) && file.size() >= 12 && load(file, 8) == 3;
+  return vmat::begins_vmat(file) && file.size() >= 12 && number_at<std::uint32_t>(file, 8) == 3;
 }
 
 void seal_vmat3(std::span<std::byte> bytes) {
-  const auto file = file_of(bytes);
-  if (!file) return;
-  const auto store = [&](std::size_t at, std::uint32_t value) {
-    std::memcpy(bytes.data() + at, &value, sizeof value);
-  };
-  for (std::uint64_t b = 0; b < file->sums.size() / 4; ++b)
-    store(head_bytes + 4 * b, block_sum(file->body, b));
-  store(head_bytes - 8, crc32(file->sums));
-  store(head_bytes - 4, crc32(bytes.first(head_bytes - 4)));
+  if (const auto file = file_of(bytes)) seal(bytes, head_bytes, file->body.size());
 }
 
 Container read_vmat3(Bytes bytes, std::span<const Codec> codecs) {
@@ -254,30 +208,19 @@ Container read_vmat3(Bytes bytes, std::span<const Codec> codecs) {
   if (!file)
     in.fail("the file has " + std::to_string(bytes.size()) +
             " bytes, not what its head tells: cut short or damaged");
-  if (crc32(bytes.first(head_bytes - 4)) != load(bytes, head_bytes - 4) ||
-      crc32(file->sums) != load(bytes, head_bytes - 8))
+  if (crc32(bytes.first(head_bytes - 4)) != number_at<std::uint32_t>(bytes, head_bytes - 4) ||
+      crc32(file->sums) != number_at<std::uint32_t>(bytes, head_bytes - 8))
     in.fail("the head's checksum differs: the file is damaged");
-  for (std::uint64_t b = 0; b < file->sums.size() / 4; ++b) {
-    if (block_sum(file->body, b) != load(file->sums, 4 * b))
-      in.fail("the checksum of block " + std::to_string(b) + " differs: the file is damaged");
-  }
+  CheckedBytes(file->body, file->sums).checked(file->body);
   Container container;
   in.skip(12);
-  container.shape.rows = in.number<std::uint32_t>();
-  container.shape.columns = in.number<std::uint32_t>();
-  container.ones = in.number<std::uint64_t>();
+  std::tie(container.shape, container.ones, container.codec) = read_head_fields(in);
   const auto [rows, columns] = container.shape;
-  if (container.ones > std::uint64_t{rows} * columns) in.fail("more ones than the matrix has places");
-  container.codec = text(in.bytes(32));
-  const std::size_t name_end = std::min(container.codec.find('\0'), container.codec.size());
-  if (container.codec.find_first_not_of('\0', name_end) != std::string::npos)
-    in.fail("bytes behind the codec's name");
-  container.codec.resize(name_end);
-  const Codec* const codec = codec_named(container.codec, codecs);
-  if (codec == nullptr) in.fail("codec '" + container.codec + "' is unknown here");
+  const Codec& codec = codec_of_file(container.codec, codecs);
 
   SourceMap& source = container.source;
-  std::istringstream lines(text(file->section[facts]));
+  const Bytes said = file->section[facts];
+  std::istringstream lines(std::string(reinterpret_cast<const char*>(said.data()), said.size()));
   for (std::string line; std::getline(lines, line);) {
     if (line == "columns_are_nodes: yes")
       source.columns_are_nodes = true;
@@ -292,17 +235,16 @@ Container read_vmat3(Bytes bytes, std::span<const Codec> codecs) {
   source.column_groups = groups_of(file->section[column_groups], columns);
   source.boundaries = boundaries_from_bytes(file->section[boundaries], rows);
   // Codecs over a tree of columns take its nodes for the columns, whether the facts say so or not.
-  if (codec->needs.tree == TreeOver::columns) source.columns_are_nodes = true;
+  if (codec.needs.tree == TreeOver::columns) source.columns_are_nodes = true;
   // Differences may have a tree over their lists, which no source map has: it serves to decode them.
   SourceMap checked = source;
-  if (!source.boundaries.empty() && source.row_tree && source.row_tree->object_count() == rows)
-    checked.row_tree.reset();
+  drop_tree_over_lists(checked, container.shape);
   made("source map", [&] {
     check_source_map(checked, container.shape);
     return 0;
   });
   container.encoded.payload.assign(file->section[payload].begin(), file->section[payload].end());
-  container.encoded.index = index_of(*codec, *file, container.shape);
+  container.encoded.index = index_of(codec, *file, container.shape);
   return container;
 }
 

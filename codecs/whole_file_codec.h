@@ -11,10 +11,7 @@ namespace vismat {
 /// encode_all(matrix) gives an Encoded without an index; decode_all(bytes, shape) the matrix, or throws FormatError.
 template <auto encode_all, auto decode_all>
 constexpr Codec whole_file_codec(std::string_view name, std::string_view contents, Origin origin) {
-  Codec codec{};
-  codec.name = name;
-  codec.contents = contents;
-  codec.origin = origin;
+  Codec codec{.name = name, .contents = contents, .origin = origin};
   codec.encode = [](const VisibilityMatrix& matrix, const Side&, const EncodeOptions&) {
     return encode_all(matrix);
   };

@@ -16,6 +16,14 @@ struct FormatError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The little-endian number that begins at byte `at`; the bytes must hold it.
+template <typename Number>
+Number number_at(std::span<const std::byte> bytes, std::size_t at) {
+  Number value;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
 /// Reads forward through borrowed bytes; every read past the end throws FormatError naming the offset.
 class ByteReader {
  public:
@@ -30,9 +38,7 @@ class ByteReader {
   /// A little-endian number: u8, i16, u32, u64, float ...
   template <typename Number>
   Number number() {
-    Number value;
-    std::memcpy(&value, bytes(sizeof value).data(), sizeof value);
-    return value;
+    return number_at<Number>(bytes(sizeof(Number)), 0);
   }
   /// Unsigned LEB128 in as few bytes as the value needs, at most 64 bits.
   std::uint64_t varint();

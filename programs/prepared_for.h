@@ -20,8 +20,7 @@ std::string obstacle(const Codec& codec, const Dataset& data);
 
 /// The dataset as the codec needs it: columns that are a tree's nodes; a binary tree over the rows, of their boxes where there is
 /// none; equal rows and columns once; rows and columns in order, which boundaries cannot follow. What was done is told by its
-/// source map. Throws
-/// std::invalid_argument with the obstacle.
+/// source map. Throws std::invalid_argument with the obstacle.
 Dataset prepared_for(const Codec& codec, Dataset data, const PrepareOptions& options = {});
 
 /// What the codec's reader will know beside the payload. Borrows the dataset.

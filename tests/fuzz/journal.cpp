@@ -21,12 +21,9 @@ bool seal(std::span<std::byte> bytes, std::uint64_t at, std::uint64_t size) {
 }
 
 template <typename Number>
-Number number_at(std::span<const std::byte> bytes, std::uint64_t at) {
-  Number number = 0;
-  if (at <= bytes.size() && bytes.size() - at >= sizeof number) {
-    std::memcpy(&number, bytes.data() + at, sizeof number);
-  }
-  return number;
+Number number_or_0(std::span<const std::byte> bytes, std::uint64_t at) {
+  const bool there = at <= bytes.size() && bytes.size() - at >= sizeof(Number);
+  return there ? vismat::number_at<Number>(bytes, at) : 0;
 }
 
 }  // namespace
@@ -35,11 +32,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace vismat;
   std::vector<std::byte> file(size);
   if (size > 0) std::memcpy(file.data(), data, size);
-  std::uint64_t end = 16 + std::uint64_t{number_at<std::uint32_t>(file, 12)};
+  std::uint64_t end = 16 + std::uint64_t{number_or_0<std::uint32_t>(file, 12)};
   bool fits = seal(file, 8, end - 12);
   while (fits) {
-    const std::uint64_t piece = number_at<std::uint64_t>(file, end + 16);
-    const std::uint64_t record = 24 + std::uint64_t{number_at<std::uint32_t>(file, end + 4)};
+    const std::uint64_t piece = number_or_0<std::uint64_t>(file, end + 16);
+    const std::uint64_t record = 24 + std::uint64_t{number_or_0<std::uint32_t>(file, end + 4)};
     if (piece > file.size()) break;
     fits = seal(file, end, record - 4 + piece);
     end += record + piece;
