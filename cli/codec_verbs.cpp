@@ -45,38 +45,46 @@ void add_encode(CLI::App& app) {
   verb->add_option("MATRIX", options->in, "Matrix file, .bsp.h5 or .mtx")->required();
   verb->add_option("-o,--output", options->out, "The .vmat file to write")->required();
   verb->add_option("--codec", options->codec, "One of " + codec_names())->capture_default_str();
-  verb->add_option("--rows", options->order,
-                   "For codecs that want rows in order, zach3 and zach4: greedy order, or natural (as they stand)")
+  verb->add_option(
+          "--rows", options->order,
+          "For codecs that want rows in order, zach3 and zach4: greedy order, or natural (as they stand)")
       ->check(CLI::IsMember({"greedy", "natural"}))
       ->capture_default_str();
   verb->add_option("--seconds", options->encode.seconds,
-                   "For codecs that search, panne: search as long as this; what comes of it depends on the machine. 0: until "
+                   "For codecs that search, panne: search as long as this; what comes of it depends on the "
+                   "machine. 0: until "
                    "little is found, the same on any")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb->add_option("--effort", options->encode.effort,
-                   "For codecs that have more than one, gotsman3-context: 0 to 2; each step learns from four times as much")
+                   "For codecs that have more than one, gotsman3-context: 0 to 2; each step learns from four "
+                   "times as much")
       ->capture_default_str();
-  verb->add_option("--threads", options->encode.threads, "0: one a core; the bytes are the same for any number")
+  verb->add_option("--threads", options->encode.threads,
+                   "0: one a core; the bytes are the same for any number")
       ->capture_default_str();
-  verb->add_option("--seed", options->encode.seed, "Of the search of codecs that search")->capture_default_str();
+  verb->add_option("--seed", options->encode.seed, "Of the search of codecs that search")
+      ->capture_default_str();
   verb->footer("Example: vismat encode city32.bsp.h5 --codec zach3-range -o city32.vmat");
   verb->callback([options] {
     const Codec& codec = find_codec(options->codec);
     if (options->encode.seconds > 0 && !codec.searches)
       throw std::invalid_argument("--seconds is for codecs that search; '" + options->codec + "' does not");
     if (options->encode.effort > codec.highest_effort) {
-      throw std::invalid_argument("--effort " + std::to_string(options->encode.effort) + ": '" + options->codec + "' has " +
-                                  (codec.highest_effort == 0 ? "but one" : "0 to " + std::to_string(codec.highest_effort)));
+      throw std::invalid_argument(
+          "--effort " + std::to_string(options->encode.effort) + ": '" + options->codec + "' has " +
+          (codec.highest_effort == 0 ? "but one" : "0 to " + std::to_string(codec.highest_effort)));
     }
     Dataset data = read_dataset(options->in);
     if (const std::string why = obstacle(codec, data); !why.empty())
       throw std::invalid_argument(options->in.string() + ": " + why);
     const bool were_differences = !data.source.boundaries.empty();
-    data = prepared_for(codec, std::move(data), {.orders = options->order == "greedy", .stages = show_progress});
+    data =
+        prepared_for(codec, std::move(data), {.orders = options->order == "greedy", .stages = show_progress});
     if (were_differences && data.source.boundaries.empty()) {
       std::printf(
-          "the rows were differences between cells, known by their places; so the boundaries are left out, which "
+          "the rows were differences between cells, known by their places; so the boundaries are left out, "
+          "which "
           "--rows natural keeps\n");
     }
     if (codec.slow_encode) options->encode.progress = show_progress("encoding");
@@ -86,8 +94,9 @@ void add_encode(CLI::App& app) {
     write_file(options->out, file);
     const std::size_t payload = container.encoded.payload.size(), index = container.encoded.index.size();
     const std::uint64_t bitmap = bitmap_size(container.shape);
-    std::printf("%s: %zu bytes of payload, %.2fx smaller than the bitmap's %llu", options->out.c_str(), payload,
-                static_cast<double>(bitmap) / static_cast<double>(payload), static_cast<unsigned long long>(bitmap));
+    std::printf("%s: %zu bytes of payload, %.2fx smaller than the bitmap's %llu", options->out.c_str(),
+                payload, static_cast<double>(bitmap) / static_cast<double>(payload),
+                static_cast<unsigned long long>(bitmap));
     const ContainerHead head(file);
     const auto tell = [&](const char* what, std::initializer_list<vmat::Section> sections) {
       std::size_t bytes = 0;
@@ -117,7 +126,8 @@ void add_decode(CLI::App& app) {
   verb->add_flag("--as-stored", options->as_stored,
                  "Leave rows and columns in the order that they were given");
   verb->add_option("--boxes", options->boxes,
-                   "A matrix file whose rows and columns have the boxes that the file was coded under, in the file's order");
+                   "A matrix file whose rows and columns have the boxes that the file was coded under, in "
+                   "the file's order");
   verb->footer("Example: vismat decode city32.vmat -o city32.mtx");
   verb->callback([options] {
     Dataset boxes;
@@ -182,8 +192,8 @@ void add_row(CLI::App& app) {
       for (const std::uint32_t id : ids) std::printf("%u\n", id);
     }
     const RowSource::Cost cost = reader.cost(row);
-    std::fprintf(stderr, "row %u: %zu of %u visible, %llu bytes", options->row, ids.size(), source.source_shape(shape).columns,
-                 static_cast<unsigned long long>(cost.bytes));
+    std::fprintf(stderr, "row %u: %zu of %u visible, %llu bytes", options->row, ids.size(),
+                 source.source_shape(shape).columns, static_cast<unsigned long long>(cost.bytes));
     if (cost.parts != 1) std::fprintf(stderr, " of %llu parts", static_cast<unsigned long long>(cost.parts));
     std::fprintf(stderr, "\n");
   });
@@ -202,7 +212,8 @@ void add_node(CLI::App& app) {
   verb->add_option("NODE", options->node, "Node number, 0 is the root")->required();
   verb->add_flag("--ids", options->ids, "Also the numbers in the node's own set, as the file has them");
   verb->footer(
-      "Over a tree of columns (zach...) a node's set is the view cells that see it, over one of rows (gotsman...) the "
+      "Over a tree of columns (zach...) a node's set is the view cells that see it, over one of rows "
+      "(gotsman...) the "
       "objects that are seen from below it.\n"
       "Example: vismat node city32.vmat 0");
   verb->callback([options] {
@@ -219,9 +230,9 @@ void add_node(CLI::App& app) {
       const auto children = reader.children(set);
       const char* const of = over_rows ? "sees" : "visible from";
       const char* const what = over_rows ? "objects" : "view cells";
-      std::printf("node %u: %s %zu of %u %s; %zu children in %llu bytes\n", options->node, of, set.members.size(),
-                  over_rows ? container.shape.columns : container.shape.rows, what, children.size(),
-                  static_cast<unsigned long long>(reader.part_bytes(options->node)));
+      std::printf("node %u: %s %zu of %u %s; %zu children in %llu bytes\n", options->node, of,
+                  set.members.size(), over_rows ? container.shape.columns : container.shape.rows, what,
+                  children.size(), static_cast<unsigned long long>(reader.part_bytes(options->node)));
       for (const NodeSet& child : children)
         std::printf("  child %8u: %s %8zu %s\n", child.node, of, child.members.size(), what);
       if (options->ids) {

@@ -119,7 +119,8 @@ Figures measure(const Codec& codec, const Dataset& data, double seconds) {
   }
   const auto file = write_container(container);
   const RowReader reader(file, std::span(&codec, 1), side);
-  figures.decode_s = codec.needs.tree == TreeOver::nothing ? seconds_of_all_rows(reader, seconds) : by_parts();
+  figures.decode_s =
+      codec.needs.tree == TreeOver::nothing ? seconds_of_all_rows(reader, seconds) : by_parts();
   measure_rows(reader, seconds, figures);
   return figures;
 }
@@ -200,8 +201,8 @@ void print(const Subject& s, const Codec& codec, const Figures& f) {
 void write_csv_line(std::ostringstream& csv, const Subject& s, const Codec& codec, const Figures& f) {
   const Shape shape = s.data.matrix.shape();
   csv << '"' << s.matrix << "\"," << shape.rows << ',' << shape.columns << ',' << s.data.matrix.ones() << ','
-      << s.order << ',' << codec.name << ',' << to_string(codec.origin) << ',' << f.bytes << ',' << s.permutation_bytes << ','
-      << f.encode_s << ',' << f.decode_s << ',';
+      << s.order << ',' << codec.name << ',' << to_string(codec.origin) << ',' << f.bytes << ','
+      << s.permutation_bytes << ',' << f.encode_s << ',' << f.decode_s << ',';
   if (f.row_p50_us)
     csv << *f.row_p50_us << ',' << *f.row_p99_us << '\n';
   else
@@ -231,15 +232,18 @@ void add_compare(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("--csv", options->csv, "Also write a table of commas");
   verb->footer(
-      "Bytes are payload, index and sections of the model. Codecs that give rows alone decode row by row into one buffer, others, and those over a "
+      "Bytes are payload, index and sections of the model. Codecs that give rows alone decode row by row "
+      "into one buffer, others, and those over a "
       "tree, the whole matrix.\n"
-      "Every codec is checked by a round trip first. Codecs over a tree want a matrix with a tree, over rows one with boxes or with a tree over them.\n"
+      "Every codec is checked by a round trip first. Codecs over a tree want a matrix with a tree, over rows "
+      "one with boxes or with a tree over them.\n"
       "Example: vismat compare koth1.bsp.h5 --orders natural,best --csv koth1.csv");
   verb->callback([options] {
     const auto codecs = chosen_codecs(options->codecs);
     std::ostringstream csv;
     csv.precision(6);
-    csv << "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,row_"
+    csv << "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,"
+           "row_"
            "p99_us\n";
     for (const auto& file : options->files) {
       for (const std::string& order : options->orders) {

@@ -42,7 +42,8 @@ void print_tree(const char* what, const ObjectTree& tree) {
 }
 
 void print_groups(const char* what, const std::optional<Partition>& groups) {
-  if (groups) line(what, grouped(groups->groups()) + " groups of " + grouped(groups->size()) + " of the source");
+  if (groups)
+    line(what, grouped(groups->groups()) + " groups of " + grouped(groups->size()) + " of the source");
 }
 
 void print_source_map(const SourceMap& source) {
@@ -57,7 +58,8 @@ void print_source_map(const SourceMap& source) {
   print_groups("rows are", source.row_groups);
   print_groups("columns are", source.column_groups);
   std::string names;
-  for (const auto& [there, what] : {std::pair(!source.row_names.empty(), "rows"), std::pair(!source.column_names.empty(), "columns")}) {
+  for (const auto& [there, what] :
+       {std::pair(!source.row_names.empty(), "rows"), std::pair(!source.column_names.empty(), "columns")}) {
     if (there) names += (names.empty() ? "" : ", ") + std::string(what);
   }
   if (!names.empty()) line("names of", names);
@@ -80,8 +82,8 @@ void print_size(Shape shape, std::uint64_t ones) {
 void print_dataset(const Dataset& dataset) {
   const VisibilityMatrix& matrix = dataset.matrix;
   print_size(matrix.shape(), matrix.ones());
-  line("distinct",
-       grouped(equal_rows(matrix).groups()) + " rows, " + grouped(equal_rows(transpose(matrix)).groups()) + " columns");
+  line("distinct", grouped(equal_rows(matrix).groups()) + " rows, " +
+                       grouped(equal_rows(transpose(matrix)).groups()) + " columns");
   line("a row is a", dataset.rows_are);
   line("a column is a", dataset.columns_are);
   line("guarantee", std::string(to_string(dataset.guarantee)));
@@ -104,7 +106,8 @@ void print_scene(const SceneFile& file) {
   line("triangles", grouped(file.scene.indices.size() / 3));
   line("objects", grouped(file.scene.object_count));
   if (const auto& clear = file.scene.see_through; !clear.empty()) {
-    line("see-through", grouped(static_cast<std::uint64_t>(std::count(clear.begin(), clear.end(), 1))) + " objects");
+    line("see-through",
+         grouped(static_cast<std::uint64_t>(std::count(clear.begin(), clear.end(), 1))) + " objects");
   }
   const auto range = formatted("%g to %g m above the ground", file.cells.eye_low, file.cells.eye_high);
   line("view cells", grouped(file.cells.count()) + (file.cells.prisms() == 0 ? "" : ", eyes " + range));
@@ -131,10 +134,11 @@ void print_container(const Container& container, std::span<const std::byte> file
        {std::pair(S::index, "index"), std::pair(S::bands, "bands"), std::pair(S::row_order, "row order"),
         std::pair(S::column_order, "column order"), std::pair(S::shared_order, "order of both"),
         std::pair(S::row_groups, "row groups"), std::pair(S::column_groups, "column groups"),
-        std::pair(S::boundaries, "boundaries"), std::pair(S::row_tree, "row tree"), std::pair(S::tree, "column tree"),
-        std::pair(S::row_names, "row names"), std::pair(S::column_names, "column names"),
-        std::pair(S::column_levels, "levels")}) {
-    if (const std::size_t bytes = head.section(section).size(); bytes > 0) line(what, grouped(bytes) + " bytes");
+        std::pair(S::boundaries, "boundaries"), std::pair(S::row_tree, "row tree"),
+        std::pair(S::tree, "column tree"), std::pair(S::row_names, "row names"),
+        std::pair(S::column_names, "column names"), std::pair(S::column_levels, "levels")}) {
+    if (const std::size_t bytes = head.section(section).size(); bytes > 0)
+      line(what, grouped(bytes) + " bytes");
   }
   if (container.boxes) line("coded under", "boxes of rows and columns, which a reader must have");
   print_source_map(container.source);

@@ -1,9 +1,9 @@
 // vismat: one program, a file per verb. A verb parses, calls one library, prints.
+#include <unistd.h>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <unistd.h>
 
 #include "cli/verbs.h"
 #include "matrix/atomic_file.h"
@@ -20,13 +20,16 @@ void interrupted(int signal) {
 int main(int argc, char** argv) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, interrupted);
   std::signal(SIGXFSZ, SIG_IGN);  // a file over its limit is an error to tell, as a full disk is
-  CLI::App app("vismat makes, reorders and compresses visibility matrices: which objects may be seen from which view cell.");
+  CLI::App app(
+      "vismat makes, reorders and compresses visibility matrices: which objects may be seen from which view "
+      "cell.");
   app.name("vismat");
   app.set_version_flag("--version", VISMAT_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
-  app.footer("Example: vismat import oa_koth1.bsp -o koth1.bsp.h5 && vismat info koth1.bsp.h5\n"
-             "'vismat VERB --help' tells each verb's options, with an example.");
+  app.footer(
+      "Example: vismat import oa_koth1.bsp -o koth1.bsp.h5 && vismat info koth1.bsp.h5\n"
+      "'vismat VERB --help' tells each verb's options, with an example.");
   using namespace vismat::cli;
   add_import(app);
   add_city(app);

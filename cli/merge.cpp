@@ -38,8 +38,9 @@ void merge(const Options& options) {
   }
   Dataset data = read_dataset(options.in);
   if (!data.source.boundaries.empty()) {
-    throw std::invalid_argument(options.in.string() +
-                                ": holds differences; merge the cells, which 'vismat deltas --undo' makes of them");
+    throw std::invalid_argument(
+        options.in.string() +
+        ": holds differences; merge the cells, which 'vismat deltas --undo' makes of them");
   }
   const VisibilityMatrix original = data.matrix;
   const auto [rows, columns] = original.shape();
@@ -47,8 +48,8 @@ void merge(const Options& options) {
   const double budget = options.added ? *options.added * static_cast<double>(original.ones())
                                       : options.lost * static_cast<double>(hidden);
   const MergeSide side = options.side == "cells"     ? MergeSide::rows
-                           : options.side == "objects" ? MergeSide::columns
-                                                       : MergeSide::both;
+                         : options.side == "objects" ? MergeSide::columns
+                                                     : MergeSide::both;
   const MergeGroups groups = group_sides(original, side, grouping,
                                          {.lost = static_cast<std::uint64_t>(budget),
                                           .lost_in_row = options.max_per_cell,
@@ -66,7 +67,8 @@ void merge(const Options& options) {
   write_dataset(options.out, data);
 
   if (groups.rows) line("view cells", grouped(groups.rows->groups()) + " of " + grouped(rows) + " are left");
-  if (groups.columns) line("objects", grouped(groups.columns->groups()) + " of " + grouped(columns) + " are left");
+  if (groups.columns)
+    line("objects", grouped(groups.columns->groups()) + " of " + grouped(columns) + " are left");
   VisibilityMatrix expanded = groups.rows ? expand_rows(data.matrix, *groups.rows) : data.matrix;
   if (groups.columns) expanded = expand_columns(expanded, *groups.columns);
   print_loss(loss_of(expanded, original));
@@ -85,17 +87,20 @@ void expand(const Options& options) {
 
 void add_merge(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("merge", "Merge similar view cells or objects; what is visible stays so");
+  CLI::App* verb =
+      app.add_subcommand("merge", "Merge similar view cells or objects; what is visible stays so");
   std::string methods;
   for (const Grouping& grouping : groupings()) {
     methods += (methods.empty() ? "" : "; ") + std::string(grouping.name) + ": " + std::string(grouping.idea);
   }
   verb->add_option("MATRIX", options->in, "Matrix file, .bsp.h5 or .mtx")->required();
-  verb->add_option("-o,--output", options->out, "Matrix file to write, .bsp.h5: the groups' unions and the map")
+  verb->add_option("-o,--output", options->out,
+                   "Matrix file to write, .bsp.h5: the groups' unions and the map")
       ->required();
-  CLI::Option* lost = verb->add_option("--lost", options->lost, "Most occlusions (zeros) that may be lost, as a share")
-                          ->check(CLI::Range(0.0, 1.0))
-                          ->capture_default_str();
+  CLI::Option* lost =
+      verb->add_option("--lost", options->lost, "Most occlusions (zeros) that may be lost, as a share")
+          ->check(CLI::Range(0.0, 1.0))
+          ->capture_default_str();
   verb->add_option("--added", options->added, "The same bound as a share of what is visible: ones added")
       ->check(CLI::NonNegativeNumber)
       ->excludes(lost);
@@ -109,7 +114,8 @@ void add_merge(CLI::App& app) {
   verb->add_option("--method", options->method, "Which to merge; " + methods)->capture_default_str();
   verb->add_option("--seed", options->seed, "For seeds")->capture_default_str();
   verb->add_option("--threads", options->threads, "0: one a core")->capture_default_str();
-  verb->add_flag("--expand", options->expand, "From groups to all view cells and objects, as their groups see");
+  verb->add_flag("--expand", options->expand,
+                 "From groups to all view cells and objects, as their groups see");
   verb->footer(
       "Example: vismat merge city.bsp.h5 --lost 0.05 -o merged.bsp.h5\n"
       "         vismat verify merged.bsp.h5 city.bsp.h5");

@@ -30,7 +30,8 @@ struct Line {
 
   void update(std::uint64_t done, std::uint64_t total) {
     const auto now = Clock::now();
-    const auto pause = terminal ? std::chrono::milliseconds(shown ? 200 : 1000) : std::chrono::milliseconds(10000);
+    const auto pause =
+        terminal ? std::chrono::milliseconds(shown ? 200 : 1000) : std::chrono::milliseconds(10000);
     const bool finished = done >= total;
     if (finished ? !shown : now - last < pause) return;
     last = now;

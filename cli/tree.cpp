@@ -31,8 +31,9 @@ ObjectTree tree_over_columns(const Dataset& dataset, const Arguments& arguments)
 
 ObjectTree tree_over_rows(const Dataset& dataset, const Arguments& arguments) {
   if (!dataset.source.boundaries.empty()) {
-    throw std::invalid_argument(arguments.input + ": holds differences; a tree over rows is one over view cells, which "
-                                                  "'vismat deltas --undo' makes of them");
+    throw std::invalid_argument(arguments.input +
+                                ": holds differences; a tree over rows is one over view cells, which "
+                                "'vismat deltas --undo' makes of them");
   }
   if (arguments.nodes)
     throw std::invalid_argument("--nodes makes columns of a tree's nodes; it goes with --side columns");

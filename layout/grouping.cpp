@@ -42,7 +42,8 @@ MergeGroups group_sides(const VisibilityMatrix& matrix, MergeSide side, const Gr
   GroupingOptions of_columns = options;
   if (side != MergeSide::columns) {
     GroupingOptions of_rows = options;
-    if (side == MergeSide::both) of_rows.lost = static_cast<std::uint64_t>(static_cast<double>(options.lost) * rows_share);
+    if (side == MergeSide::both)
+      of_rows.lost = static_cast<std::uint64_t>(static_cast<double>(options.lost) * rows_share);
     groups.rows = grouping.group_rows(matrix, of_rows);
     if (side == MergeSide::rows) return groups;
     present = expand_rows(merge_rows(matrix, *groups.rows), *groups.rows);

@@ -33,7 +33,8 @@ void merge_pairs(RowGroups& groups, const GroupingOptions& options) {
   };
   const std::vector<std::uint32_t> alive(groups.alive().begin(), groups.alive().end());
   std::vector<RowGroups::Pair> first(alive.size());
-  parallel_for(alive.size(), options.threads, [&](std::uint64_t i) { first[i] = groups.best_partner(alive[i]); });
+  parallel_for(alive.size(), options.threads,
+               [&](std::uint64_t i) { first[i] = groups.best_partner(alive[i]); });
   std::vector<std::uint32_t> age(alive.empty() ? 0 : *std::ranges::max_element(alive) + std::size_t{1}, 0);
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   const auto push = [&](std::uint32_t group, const RowGroups::Pair& pair) {
@@ -61,10 +62,12 @@ void merge_pairs(RowGroups& groups, const GroupingOptions& options) {
 
 }  // namespace
 
-Partition group_rows_by_pairs(const VisibilityMatrix& matrix, const GroupingOptions& options, std::uint32_t rounds) {
+Partition group_rows_by_pairs(const VisibilityMatrix& matrix, const GroupingOptions& options,
+                              std::uint32_t rounds) {
   RowGroups groups(matrix, options);
   merge_pairs(groups, options);
-  for (std::uint32_t round = 0; round < rounds && groups.exchange() > 0; ++round) merge_pairs(groups, options);
+  for (std::uint32_t round = 0; round < rounds && groups.exchange() > 0; ++round)
+    merge_pairs(groups, options);
   return groups.partition();
 }
 

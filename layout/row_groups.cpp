@@ -20,7 +20,8 @@ void take_out(std::vector<std::uint32_t>& list, std::vector<std::uint32_t>& plac
 
 // Calls visit(column, in_a) for each column that only one of the two has.
 template <typename Visit>
-void for_each_difference(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b, const Visit& visit) {
+void for_each_difference(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                         const Visit& visit) {
   for (std::size_t w = 0; w < a.size(); ++w) {
     for (std::uint64_t differ = a[w] ^ b[w]; differ != 0; differ &= differ - 1) {
       const auto bit = static_cast<unsigned>(std::countr_zero(differ));
@@ -37,7 +38,10 @@ void for_each_difference(std::span<const std::uint64_t> a, std::span<const std::
 struct RowGroups::Lost {
   std::int64_t in_both, more, ones, uneven;
   Lost(std::int64_t in_a, std::int64_t ones_of_a, std::int64_t in_b, std::int64_t ones_of_b)
-      : in_both(in_a + in_b), more(ones_of_a - ones_of_b), ones(ones_of_a + ones_of_b), uneven(more * (in_a - in_b)) {}
+      : in_both(in_a + in_b),
+        more(ones_of_a - ones_of_b),
+        ones(ones_of_a + ones_of_b),
+        uneven(more * (in_a - in_b)) {}
   /// The greatest distance at which no more than `limit` are lost; none where the sizes alone tell that there is none.
   std::optional<std::uint32_t> farthest(std::uint64_t limit) const {
     if (limit == unbounded) return static_cast<std::uint32_t>(ones);
@@ -201,7 +205,8 @@ std::uint64_t RowGroups::exchange() {
     members_[to].push_back(k);
     most_[to] = std::min(most_[to], most_of_kind_[k]);
     most_[from] = none;
-    for (const std::uint32_t member : members_[from]) most_[from] = std::min(most_[from], most_of_kind_[member]);
+    for (const std::uint32_t member : members_[from])
+      most_[from] = std::min(most_[from], most_of_kind_[member]);
   }
   return lost_before - lost_;
 }
@@ -218,19 +223,20 @@ Partition RowGroups::partition() const {
 }
 
 // A column that a alone has is lost in the rows of b.
-bool RowGroups::has_room(std::span<const std::uint64_t> a, std::uint64_t in_a, std::span<const std::uint64_t> b,
-                         std::uint64_t in_b) const {
+bool RowGroups::has_room(std::span<const std::uint64_t> a, std::uint64_t in_a,
+                         std::span<const std::uint64_t> b, std::uint64_t in_b) const {
   bool room = true;
   if (!room_.empty())
-    for_each_difference(a, b, [&](std::size_t c, bool of_a) { room = room && room_[c] >= (of_a ? in_b : in_a); });
+    for_each_difference(a, b,
+                        [&](std::size_t c, bool of_a) { room = room && room_[c] >= (of_a ? in_b : in_a); });
   return room;
 }
 
-void RowGroups::take_room(std::span<const std::uint64_t> a, std::uint64_t in_a, std::span<const std::uint64_t> b,
-                          std::uint64_t in_b) {
+void RowGroups::take_room(std::span<const std::uint64_t> a, std::uint64_t in_a,
+                          std::span<const std::uint64_t> b, std::uint64_t in_b) {
   if (room_.empty()) return;
-  for_each_difference(a, b,
-                      [&](std::size_t c, bool of_a) { room_[c] -= static_cast<std::uint32_t>(of_a ? in_b : in_a); });
+  for_each_difference(
+      a, b, [&](std::size_t c, bool of_a) { room_[c] -= static_cast<std::uint32_t>(of_a ? in_b : in_a); });
 }
 
 void RowGroups::set_size(std::uint32_t group, std::uint32_t size) {

@@ -53,14 +53,15 @@ class RowGroups {
   void fold(std::uint32_t group);
 
   Partition kind_of_row_;
-  VisibilityMatrix kinds_;                                 // a row each
+  VisibilityMatrix kinds_;                                  // a row each
   std::vector<std::uint32_t> rows_of_kind_, most_of_kind_;  // ones that its group's union may have
   std::vector<std::uint32_t> group_of_kind_;
   std::vector<std::uint32_t> room_;  // zeros that each column may still lose; empty: any
   std::uint64_t lost_ = 0;
 
   // By group.
-  BitRows union_, folded_;  // folded: the union's words by exclusive or in a cache line, no further apart than unions are
+  BitRows union_,
+      folded_;  // folded: the union's words by exclusive or in a cache line, no further apart than unions are
   std::vector<std::uint32_t> size_, rows_, most_;  // the union's ones; rows; the least most_of_kind_
   std::vector<std::vector<std::uint32_t>> members_;
   std::vector<std::uint32_t> alive_, place_;

@@ -12,7 +12,8 @@
 
 namespace vismat {
 
-Partition group_rows_by_seeds(const VisibilityMatrix& matrix, const GroupingOptions& options, std::uint32_t seeds) {
+Partition group_rows_by_seeds(const VisibilityMatrix& matrix, const GroupingOptions& options,
+                              std::uint32_t seeds) {
   RowGroups groups(matrix, options);
   Random random(options.seed);
   struct Merge {

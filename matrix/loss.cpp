@@ -16,8 +16,12 @@ std::string text(Shape shape) {
 
 }  // namespace
 
-double Loss::lost() const { return share(added, hidden()); }
-double Loss::added_share() const { return share(added, visible); }
+double Loss::lost() const {
+  return share(added, hidden());
+}
+double Loss::added_share() const {
+  return share(added, visible);
+}
 double Loss::lost_in(std::uint32_t row) const {
   return share(rows[row].added, shape.columns - rows[row].visible);
 }

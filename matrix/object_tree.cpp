@@ -21,8 +21,8 @@ ObjectTree ObjectTree::from_parents(std::vector<std::uint32_t> parent_of_node,
   if (size >= none) throw std::invalid_argument("tree: more than 2^32 - 2 nodes");
   for (std::size_t i = 0; i < size; ++i) {
     if (i == 0 ? parent_of_node[i] != none : parent_of_node[i] >= i) {
-      refuse(i, i == 0 ? "the root has a parent" : "its parent " + std::to_string(parent_of_node[i]) +
-                                                       " does not come before it");
+      refuse(i, i == 0 ? "the root has a parent"
+                       : "its parent " + std::to_string(parent_of_node[i]) + " does not come before it");
     }
     if (object_of_node[i] != none && object_of_node[i] >= object_count) {
       refuse(i, "object " + std::to_string(object_of_node[i]) + " of only " + std::to_string(object_count));
@@ -35,7 +35,8 @@ ObjectTree ObjectTree::from_parents(std::vector<std::uint32_t> parent_of_node,
   for (std::size_t i = 0; i < size; ++i) tree.first_child_[i + 1] += tree.first_child_[i];
   tree.children_.resize(size == 0 ? 0 : size - 1);
   std::vector<std::uint32_t> next(tree.first_child_.begin(), tree.first_child_.end() - 1);
-  for (std::size_t i = 1; i < size; ++i) tree.children_[next[parent_of_node[i]]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 1; i < size; ++i)
+    tree.children_[next[parent_of_node[i]]++] = static_cast<std::uint32_t>(i);
   tree.parent_of_node_ = std::move(parent_of_node);
   tree.object_of_node_ = std::move(object_of_node);
   return tree;
@@ -45,7 +46,8 @@ VisibilityMatrix nodes_from_objects(const VisibilityMatrix& objects, const Objec
   assert(tree.object_count() == objects.shape().columns);
   std::vector<std::vector<std::uint32_t>> nodes_of_object(tree.object_count());
   for (std::uint32_t node = 0; node < tree.size(); ++node) {
-    if (tree.object_of_node()[node] != ObjectTree::none) nodes_of_object[tree.object_of_node()[node]].push_back(node);
+    if (tree.object_of_node()[node] != ObjectTree::none)
+      nodes_of_object[tree.object_of_node()[node]].push_back(node);
   }
   const std::uint32_t rows = objects.shape().rows;
   std::vector<std::uint64_t> offsets = {0};

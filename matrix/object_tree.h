@@ -17,8 +17,8 @@ class ObjectTree {
   ObjectTree() = default;
   /// parent_of_node[0] is `none`, parent_of_node[i] < i for the rest; object_of_node[i] < object_count or `none`.
   /// Throws std::invalid_argument naming the node otherwise, or if the lengths differ.
-  static ObjectTree from_parents(std::vector<std::uint32_t> parent_of_node, std::vector<std::uint32_t> object_of_node,
-                                 std::uint32_t object_count);
+  static ObjectTree from_parents(std::vector<std::uint32_t> parent_of_node,
+                                 std::vector<std::uint32_t> object_of_node, std::uint32_t object_count);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(parent_of_node_.size()); }
   std::uint32_t object_count() const { return object_count_; }

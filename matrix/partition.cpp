@@ -67,8 +67,8 @@ Partition equal_rows(const VisibilityMatrix& matrix) {
     std::uint64_t hash = ids.size();
     for (const std::uint32_t id : ids) hash = Random(hash ^ id).next();
     const auto [begin, end] = met.equal_range(hash);
-    const auto same =
-        std::find_if(begin, end, [&](const auto& entry) { return std::ranges::equal(matrix.row(entry.second), ids); });
+    const auto same = std::find_if(
+        begin, end, [&](const auto& entry) { return std::ranges::equal(matrix.row(entry.second), ids); });
     kind[r] = same == end ? kinds++ : kind[same->second];
     if (same == end) met.emplace(hash, r);
   }
@@ -104,12 +104,14 @@ VisibilityMatrix expand_rows(const VisibilityMatrix& merged, const Partition& ro
   assert(rows.groups() == merged.shape().rows);
   std::vector<std::uint64_t> offsets = {0};
   offsets.reserve(rows.size() + std::size_t{1});
-  for (const std::uint32_t g : rows.group_of_member()) offsets.push_back(offsets.back() + merged.row(g).size());
+  for (const std::uint32_t g : rows.group_of_member())
+    offsets.push_back(offsets.back() + merged.row(g).size());
   std::vector<std::uint32_t> ids;
   ids.reserve(offsets.back());
   for (const std::uint32_t g : rows.group_of_member())
     ids.insert(ids.end(), merged.row(g).begin(), merged.row(g).end());
-  return VisibilityMatrix::from_csr({rows.size(), merged.shape().columns}, std::move(offsets), std::move(ids));
+  return VisibilityMatrix::from_csr({rows.size(), merged.shape().columns}, std::move(offsets),
+                                    std::move(ids));
 }
 
 VisibilityMatrix expand_columns(const VisibilityMatrix& merged, const Partition& columns) {

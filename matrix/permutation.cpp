@@ -45,7 +45,9 @@ Permutation Permutation::from_old_of_new(std::vector<std::uint32_t> map) {
   return p;
 }
 
-std::vector<std::uint32_t> Permutation::old_of_new() const { return inverted(new_of_old_); }
+std::vector<std::uint32_t> Permutation::old_of_new() const {
+  return inverted(new_of_old_);
+}
 
 Permutation Permutation::inverse() const {
   Permutation p;
@@ -53,7 +55,9 @@ Permutation Permutation::inverse() const {
   return p;
 }
 
-bool Permutation::is_identity() const { return *this == identity(size()); }
+bool Permutation::is_identity() const {
+  return *this == identity(size());
+}
 
 std::uint64_t permutation_bytes(std::uint32_t size) {
   return static_cast<std::uint64_t>(std::ceil(std::lgamma(size + 1.0) / std::log(2.0) / 8));

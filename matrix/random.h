@@ -9,7 +9,10 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
   /// An independent stream: the same (seed, stream) gives the same numbers whatever other streams did.
-  Random(std::uint64_t seed, std::uint64_t stream) : state_(seed) { state_ = next() ^ (stream * 0xd1342543de82ef95u); next(); }
+  Random(std::uint64_t seed, std::uint64_t stream) : state_(seed) {
+    state_ = next() ^ (stream * 0xd1342543de82ef95u);
+    next();
+  }
 
   std::uint64_t next() {
     std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
@@ -18,7 +21,9 @@ class Random {
     return z ^ (z >> 31);
   }
   /// Uniform in [0, bound), bound > 0; the bias is below bound / 2^32 [Lemire 2019, without the rejection].
-  std::uint32_t below(std::uint32_t bound) { return static_cast<std::uint32_t>(((next() >> 32) * bound) >> 32); }
+  std::uint32_t below(std::uint32_t bound) {
+    return static_cast<std::uint32_t>(((next() >> 32) * bound) >> 32);
+  }
   /// Uniform in [0, 1), a multiple of 2^-24.
   float unit() { return static_cast<float>(next() >> 40) * 0x1p-24f; }
   /// Uniform in [0, 1), a multiple of 2^-53.

@@ -16,17 +16,19 @@ VisibilityMatrix VisibilityMatrix::from_csr(Shape shape, std::vector<std::uint64
                                             std::vector<std::uint32_t> ids) {
   const auto refuse = [](const std::string& what) -> void { throw std::invalid_argument(what); };
   if (offsets.size() != std::size_t{shape.rows} + 1) {
-    refuse(std::to_string(offsets.size()) + " row offsets for " + std::to_string(shape.rows) + " rows; need " +
-           std::to_string(std::size_t{shape.rows} + 1));
+    refuse(std::to_string(offsets.size()) + " row offsets for " + std::to_string(shape.rows) +
+           " rows; need " + std::to_string(std::size_t{shape.rows} + 1));
   }
-  if (offsets.front() != 0) refuse("the first row offset is " + std::to_string(offsets.front()) + "; it must be 0");
+  if (offsets.front() != 0)
+    refuse("the first row offset is " + std::to_string(offsets.front()) + "; it must be 0");
   if (offsets.back() != ids.size()) {
     refuse("the last row offset is " + std::to_string(offsets.back()) + " but there are " +
            std::to_string(ids.size()) + " ids");
   }
   for (std::uint32_t r = 0; r < shape.rows; ++r) {
     if (offsets[r + 1] < offsets[r] || offsets[r + 1] > ids.size()) {
-      refuse("row " + std::to_string(r) + ": its offset " + std::to_string(offsets[r + 1]) + " does not ascend");
+      refuse("row " + std::to_string(r) + ": its offset " + std::to_string(offsets[r + 1]) +
+             " does not ascend");
     }
     std::uint64_t least = 0;  // the smallest id that may come next
     for (std::uint64_t i = offsets[r]; i < offsets[r + 1]; ++i) {
@@ -87,7 +89,8 @@ VisibilityMatrix permute(VisibilityMatrix matrix, const Permutation& rows, const
   if (!columns.is_identity()) {
     const auto new_columns = columns.new_of_old();
     for (std::uint32_t r = 0; r < shape.rows; ++r) {
-      const std::span ids(matrix.ids_.data() + matrix.offsets_[r], matrix.ids_.data() + matrix.offsets_[r + 1]);
+      const std::span ids(matrix.ids_.data() + matrix.offsets_[r],
+                          matrix.ids_.data() + matrix.offsets_[r + 1]);
       for (std::uint32_t& id : ids) id = new_columns[id];
       std::sort(ids.begin(), ids.end());
     }

@@ -22,9 +22,11 @@ class VisibilityMatrix {
   explicit VisibilityMatrix(Shape shape);
   /// Takes rows + 1 offsets and the ids between them. Throws std::invalid_argument, naming the row, unless the
   /// offsets ascend from 0 to ids.size() and every row's ids ascend strictly and lie below shape.columns. O(ones).
-  static VisibilityMatrix from_csr(Shape shape, std::vector<std::uint64_t> offsets, std::vector<std::uint32_t> ids);
+  static VisibilityMatrix from_csr(Shape shape, std::vector<std::uint64_t> offsets,
+                                   std::vector<std::uint32_t> ids);
   /// One vector a row, each ascending without repeats; the same checks.
-  static VisibilityMatrix from_rows(const std::vector<std::vector<std::uint32_t>>& rows, std::uint32_t columns);
+  static VisibilityMatrix from_rows(const std::vector<std::vector<std::uint32_t>>& rows,
+                                    std::uint32_t columns);
 
   Shape shape() const { return shape_; }
   std::uint64_t ones() const { return ids_.size(); }

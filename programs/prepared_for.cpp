@@ -36,7 +36,8 @@ std::string obstacle(const Codec& codec, const Dataset& data) {
   if (codec.needs.tree == TreeOver::columns) {
     if (!source.tree) return "this codec needs a tree over the columns; make one with 'vismat tree'";
     if (!source.boundaries.empty() && source.columns_are_nodes && !is_monotone(data.matrix, *source.tree))
-      return "holds differences between sets of nodes, which are not monotone over their tree; encode the cells";
+      return "holds differences between sets of nodes, which are not monotone over their tree; encode the "
+             "cells";
   }
   if (codec.needs.tree == TreeOver::rows) {
     if (!source.boundaries.empty())

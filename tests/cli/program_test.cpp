@@ -85,8 +85,9 @@ std::vector<std::string> verbs() {
 }
 
 TEST(Program, HelpNamesEveryVerb) {
-  const std::vector<std::string> expected = {"import", "city", "cells", "dense-city", "plant", "generate", "see",  "tree",    "order",
-                                             "deltas", "encode", "decode",   "node", "convert", "info", "merge", "verify"};
+  const std::vector<std::string> expected = {"import", "city",    "cells", "dense-city", "plant",  "generate",
+                                             "see",    "tree",    "order", "deltas",     "encode", "decode",
+                                             "node",   "convert", "info",  "merge",      "verify"};
   const auto found = verbs();
   for (const std::string& verb : expected)
     EXPECT_NE(std::find(found.begin(), found.end(), verb), found.end()) << verb;
@@ -132,26 +133,34 @@ TEST(Program, RefusesInOneLine) {
 
 TEST(Program, MakesScenesOfMeshes) {
   const TemporaryFolder folder;
-  const std::string mesh = folder / "two.obj", scene = folder / "two.scene.h5", triangles = folder / "three.scene.h5",
-                    bad = folder / "bad.obj", flat = folder / "flat.OBJ", none = folder / "none.scene.h5";
-  std::ofstream(mesh) << "v 0 0 0\nv 100 0 0\nv 100 200 0\nv 0 200 0\nf 1 2 3 4\nv 500 0 0\nv 600 0 0\nv 500 9 9\n"
-                         "f 5 6 7\nf 7 6 5\nf 1 1 2\n";
+  const std::string mesh = folder / "two.obj", scene = folder / "two.scene.h5",
+                    triangles = folder / "three.scene.h5", bad = folder / "bad.obj",
+                    flat = folder / "flat.OBJ", none = folder / "none.scene.h5";
+  std::ofstream(mesh)
+      << "v 0 0 0\nv 100 0 0\nv 100 200 0\nv 0 200 0\nf 1 2 3 4\nv 500 0 0\nv 600 0 0\nv 500 9 9\n"
+         "f 5 6 7\nf 7 6 5\nf 1 1 2\n";
   std::ofstream(bad) << "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n";
   std::ofstream(flat) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
   const Finished made = vismat_program({"scene", mesh, "--scale", "0.01", "--up", "y", "-o", scene});
   EXPECT_EQ(made.code(), 0) << made.error;
-  EXPECT_EQ(made.out, scene + ": 2 objects, 3 triangles, 7 vertices; 1 triangles without area left out; 1 double triangles left out\n");
+  EXPECT_EQ(made.out, scene +
+                          ": 2 objects, 3 triangles, 7 vertices; 1 triangles without area left out; 1 double "
+                          "triangles left out\n");
   const std::string info = vismat_program({"info", scene}).out;
-  EXPECT_NE(info.find("two.obj, 0.01 m a unit, y up, objects are connected components"), std::string::npos) << info;
+  EXPECT_NE(info.find("two.obj, 0.01 m a unit, y up, objects are connected components"), std::string::npos)
+      << info;
   const Finished split = vismat_program({"scene", scene, "--objects", "one-a-triangle", "-o", triangles});
   EXPECT_EQ(split.out, triangles + ": 3 objects, 3 triangles, 7 vertices\n") << split.error;
   const std::size_t files = folder.entries();
-  expect_refusal({"scene", bad, "-o", none}, "bad.obj: line 3: a coordinate is not a number within 1e9 of the origin");
+  expect_refusal({"scene", bad, "-o", none},
+                 "bad.obj: line 3: a coordinate is not a number within 1e9 of the origin");
   expect_refusal({"scene", flat, "-o", none}, "flat.OBJ: none of its 1 triangles has an area");
-  expect_refusal({"scene", mesh, "--scale", "1e30", "-o", none}, "two.obj: a coordinate is farther than 1e9 m");
+  expect_refusal({"scene", mesh, "--scale", "1e30", "-o", none},
+                 "two.obj: a coordinate is farther than 1e9 m");
   expect_refusal({"scene", mesh, "--scale", "-1", "-o", none}, "a scene's scale is a number above 0");
   expect_refusal({"scene", mesh, "--weld", "-1", "-o", none}, "the tolerance is 0 or between 1e-6 and 1e9");
-  expect_refusal({"scene", scene, "--scale", "2", "-o", none}, "two.scene.h5: its lengths and its up are known");
+  expect_refusal({"scene", scene, "--scale", "2", "-o", none},
+                 "two.scene.h5: its lengths and its up are known");
   expect_refusal({"scene", mesh, "--objects", "groups", "-o", none}, "--objects");
   expect_refusal({"scene", folder / "no.pk3:maps/a.bsp", "-o", none}, "no.pk3");
   EXPECT_EQ(folder.entries(), files) << "something was written";
@@ -194,8 +203,11 @@ TEST(Program, CompressesReadsANodeAndRestores) {
   ASSERT_EQ(vismat_program({"tree", folder / "in.bsp.h5", "--nodes", "-o", folder / "nodes.bsp.h5"}).code(),
             0);
   const Dataset nodes = read_dataset(folder / "nodes.bsp.h5");
-  for (const auto& [codec, over_tree] : std::vector<std::pair<std::string, bool>>{
-           {"bitmap", false}, {"gzip", false}, {"zach0", true}, {"zach3-huffman", true}, {"zach4-range", true}}) {
+  for (const auto& [codec, over_tree] : std::vector<std::pair<std::string, bool>>{{"bitmap", false},
+                                                                                  {"gzip", false},
+                                                                                  {"zach0", true},
+                                                                                  {"zach3-huffman", true},
+                                                                                  {"zach4-range", true}}) {
     const Finished encoded =
         vismat_program({"encode", folder / "nodes.bsp.h5", "--codec", codec, "-o", folder / "x.vmat"});
     ASSERT_EQ(encoded.code(), 0) << encoded.error;
@@ -213,12 +225,17 @@ TEST(Program, ReadsRowsAndNodesOverATreeOfRows) {
   const Dataset before = ring_of_clusters(60);
   write_dataset(folder / "in.bsp.h5", before);
   ASSERT_EQ(vismat_program({"order", folder / "in.bsp.h5", "--columns", "best", "--rows", "greedy", "-o",
-                            folder / "ordered.bsp.h5"}).code(), 0);
+                            folder / "ordered.bsp.h5"})
+                .code(),
+            0);
   ASSERT_EQ(vismat_program({"tree", folder / "ordered.bsp.h5", "--side", "rows", "--by", "sets", "-o",
-                            folder / "sets.bsp.h5"}).code(), 0);
+                            folder / "sets.bsp.h5"})
+                .code(),
+            0);
   for (const std::string name : {"ordered.bsp.h5", "sets.bsp.h5"}) {  // the first gets a tree by its boxes
     for (const std::string codec : {"gotsman1", "gotsman3", "gotsman3-context"}) {
-      const Finished encoded = vismat_program({"encode", folder / name, "--codec", codec, "-o", folder / "x.vmat"});
+      const Finished encoded =
+          vismat_program({"encode", folder / name, "--codec", codec, "-o", folder / "x.vmat"});
       ASSERT_EQ(encoded.code(), 0) << encoded.error;
       ASSERT_EQ(vismat_program({"decode", folder / "x.vmat", "-o", folder / "back.bsp.h5"}).code(), 0);
       EXPECT_EQ(read_dataset(folder / "back.bsp.h5").matrix, before.matrix) << codec;
@@ -233,7 +250,8 @@ TEST(Program, ReadsRowsAndNodesOverATreeOfRows) {
   Dataset bare = before;
   bare.row_bounds.clear();
   write_dataset(folder / "bare.bsp.h5", bare);
-  const Finished refused = vismat_program({"encode", folder / "bare.bsp.h5", "--codec", "gotsman3", "-o", folder / "y.vmat"});
+  const Finished refused =
+      vismat_program({"encode", folder / "bare.bsp.h5", "--codec", "gotsman3", "-o", folder / "y.vmat"});
   EXPECT_EQ(refused.code(), 1);
   EXPECT_NE(refused.error.find("vismat tree --side rows --by sets"), std::string::npos) << refused.error;
 }
@@ -241,8 +259,8 @@ TEST(Program, ReadsRowsAndNodesOverATreeOfRows) {
 // What is known of rows and columns goes with the matrix through every verb, and comes back where a verb is undone.
 TEST(Program, CarriesTheSourceMapThroughEveryVerb) {
   const TemporaryFolder folder;
-  const std::string in = folder / "in.bsp.h5", ordered = folder / "ordered.bsp.h5", file = folder / "x.vmat", out = folder / "out.bsp.h5",
-                    deltas = folder / "deltas.bsp.h5";
+  const std::string in = folder / "in.bsp.h5", ordered = folder / "ordered.bsp.h5", file = folder / "x.vmat",
+                    out = folder / "out.bsp.h5", deltas = folder / "deltas.bsp.h5";
   Dataset before = ring_of_clusters(60);
   before.source.row_tree.reset();
   for (std::uint32_t i = 0; i < 60; ++i) {
@@ -303,19 +321,23 @@ TEST(Program, DecodesVersion3AndRefusesItElsewhere) {
     ++files;
     const std::string now = data / (name.substr(0, name.size() - 8) + ".vmat");
     ASSERT_EQ(vismat_program({"decode", old, "--as-stored", "-o", folder / "old.bsp.h5"}).code(), 0) << name;
-    if (!std::filesystem::exists(now)) continue;  // what is not written any more: differences over a tree of their lists
+    if (!std::filesystem::exists(now))
+      continue;  // what is not written any more: differences over a tree of their lists
     ASSERT_EQ(vismat_program({"decode", now, "--as-stored", "-o", folder / "now.bsp.h5"}).code(), 0) << name;
     EXPECT_EQ(read_dataset(folder / "old.bsp.h5"), read_dataset(folder / "now.bsp.h5")) << name;
   }
   EXPECT_GT(files, 25u);
   const std::string old = data / "delimiter.v3.vmat";
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"row", old, "0"}, {"node", old, "0"}, {"info", old}, {"verify", old, old}})
-    expect_refusal(words, "version 3; this program reads version 4: 'vismat decode' reads version 3, then encode again");
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"row", old, "0"}, {"node", old, "0"}, {"info", old}, {"verify", old, old}})
+    expect_refusal(
+        words, "version 3; this program reads version 4: 'vismat decode' reads version 3, then encode again");
 }
 
 TEST(Program, CountsTheTrianglesThatAreDrawn) {
   const TemporaryFolder folder;
-  const std::string scene = folder / "city.scene.h5", seen = folder / "city.bsp.h5", table = folder / "table.csv";
+  const std::string scene = folder / "city.scene.h5", seen = folder / "city.bsp.h5",
+                    table = folder / "table.csv";
   ASSERT_EQ(vismat_program({"city", "--size", "4", "-o", scene}).code(), 0);
   ASSERT_EQ(vismat_program({"see", scene, "--objects", "-o", seen}).code(), 0);
   const Finished run = vismat_program({"triangles", scene, seen, "-o", table});
@@ -410,14 +432,16 @@ TEST(Program, RefusesDifferencesThatCannotBe) {
 
 TEST(Program, MergesAndVerifies) {
   const TemporaryFolder folder;
-  const std::string in = folder / "in.bsp.h5", merged = folder / "merged.bsp.h5", ordered = folder / "ordered.bsp.h5",
-                    file = folder / "merged.vmat", decoded = folder / "decoded.bsp.h5", all = folder / "all.mtx";
+  const std::string in = folder / "in.bsp.h5", merged = folder / "merged.bsp.h5",
+                    ordered = folder / "ordered.bsp.h5", file = folder / "merged.vmat",
+                    decoded = folder / "decoded.bsp.h5", all = folder / "all.mtx";
   const Dataset before = ring_of_clusters(60);
   write_dataset(in, before);
   for (const std::string side : {"cells", "objects", "both"}) {
     const Finished run = vismat_program({"merge", in, "--lost", "0.05", "--side", side, "-o", merged});
     ASSERT_EQ(run.code(), 0) << run.error;
-    ASSERT_EQ(vismat_program({"order", merged, "--columns", "best", "--rows", "best", "-o", ordered}).code(), 0);
+    ASSERT_EQ(vismat_program({"order", merged, "--columns", "best", "--rows", "best", "-o", ordered}).code(),
+              0);
     ASSERT_EQ(vismat_program({"encode", ordered, "-o", file}).code(), 0);
     ASSERT_EQ(vismat_program({"decode", file, "-o", decoded}).code(), 0);
     ASSERT_EQ(vismat_program({"merge", "--expand", decoded, "-o", all}).code(), 0);
@@ -443,7 +467,8 @@ TEST(Program, VerifyFindsWhatIsHidden) {
   const Dataset before = ring_of_clusters(60);
   Dataset hides = before;
   std::vector<std::vector<std::uint32_t>> rows(60);
-  for (std::uint32_t r = 0; r < 60; ++r) rows[r].assign(before.matrix.row(r).begin(), before.matrix.row(r).end());
+  for (std::uint32_t r = 0; r < 60; ++r)
+    rows[r].assign(before.matrix.row(r).begin(), before.matrix.row(r).end());
   const std::uint32_t column = rows[31][4];
   rows[31].erase(rows[31].begin() + 4);
   hides.matrix = VisibilityMatrix::from_rows(rows, 60);
@@ -458,17 +483,20 @@ TEST(Program, VerifyFindsWhatIsHidden) {
           "hides.bsp.h5: hides 1 visible entries, the first in row 31, column " + std::to_string(column));
   refused({"verify", folder / "small.bsp.h5", folder / "in.bsp.h5"},
           "small.bsp.h5: stands for 50 x 50, but the original has 60 x 60");
-  refused({"merge", folder / "in.bsp.h5", "-o", folder / "out.mtx"}, "out.mtx: Matrix Market has no place for the map");
-  refused({"merge", folder / "in.bsp.h5", "--method", "luck", "-o", folder / "out.bsp.h5"}, "'luck' is no grouping");
+  refused({"merge", folder / "in.bsp.h5", "-o", folder / "out.mtx"},
+          "out.mtx: Matrix Market has no place for the map");
+  refused({"merge", folder / "in.bsp.h5", "--method", "luck", "-o", folder / "out.bsp.h5"},
+          "'luck' is no grouping");
   refused({"merge", folder / "in.bsp.h5", "--lost", "1.5", "-o", folder / "out.bsp.h5"}, "--lost");
-  refused({"merge", "--expand", folder / "in.bsp.h5", "-o", folder / "out.bsp.h5"}, "nothing in it was merged");
+  refused({"merge", "--expand", folder / "in.bsp.h5", "-o", folder / "out.bsp.h5"},
+          "nothing in it was merged");
   EXPECT_EQ(vismat_program({"verify", folder / "in.bsp.h5", folder / "hides.bsp.h5"}).code(), 0);
 }
 
 TEST(Program, VerifyChecksAMatrixAgainstItsScene) {
   const TemporaryFolder folder;
-  const std::string scene = folder / "city.scene.h5", in = folder / "in.bsp.h5", seen = folder / "seen.bsp.h5",
-                    blind = folder / "blind.bsp.h5";
+  const std::string scene = folder / "city.scene.h5", in = folder / "in.bsp.h5",
+                    seen = folder / "seen.bsp.h5", blind = folder / "blind.bsp.h5";
   ASSERT_EQ(vismat_program({"city", "--size", "4", "-o", scene}).code(), 0);
   ASSERT_EQ(vismat_program({"see", scene, "--objects", "-o", in, "--seen", seen}).code(), 0);
   for (const auto& [matrix, claim] : {std::pair(in, "hidden"), std::pair(seen, "seen")}) {
@@ -480,14 +508,16 @@ TEST(Program, VerifyChecksAMatrixAgainstItsScene) {
 
   Dataset dataset = read_dataset(in);  // now it claims that nothing is seen from anywhere
   const Shape shape = dataset.matrix.shape();
-  dataset.matrix = VisibilityMatrix::from_rows(std::vector<std::vector<std::uint32_t>>(shape.rows), shape.columns);
+  dataset.matrix =
+      VisibilityMatrix::from_rows(std::vector<std::vector<std::uint32_t>>(shape.rows), shape.columns);
   dataset.guarantee = Guarantee::conservative;
   dataset.sight_lines.clear();
   dataset.degree_of_visibility.clear();
   write_dataset(blind, dataset);
   const Finished refuted = vismat_program({"verify", blind, "--witness", scene, "--samples", "2"});
   EXPECT_EQ(refuted.code(), 1);
-  EXPECT_NE(refuted.error.find("entries are not confirmed to be hidden, the first in row "), std::string::npos)
+  EXPECT_NE(refuted.error.find("entries are not confirmed to be hidden, the first in row "),
+            std::string::npos)
       << refuted.error;
   expect_refusal({"verify", in}, "name the ORIGINAL matrix, or a scene with --witness");
   dataset.guarantee = Guarantee::unknown;
@@ -499,7 +529,8 @@ TEST(Program, OrdersOutOfCoreAsInMemory) {
   const TemporaryFolder folder;
   write_dataset(folder / "in.bsp.h5", ring_of_clusters(60));
   const auto order = [&](const std::string& method, const std::string& out, const std::string& memory) {
-    return vismat_program({"order", folder / "in.bsp.h5", "--columns", method, "-o", folder / out, "--memory", memory});
+    return vismat_program(
+        {"order", folder / "in.bsp.h5", "--columns", method, "-o", folder / out, "--memory", memory});
   };
   const Finished in_core = order("best", "a.bsp.h5", "1G"), few = order("best", "c.bsp.h5", "1000");
   ASSERT_EQ(in_core.code(), 0) << in_core.error;

@@ -58,7 +58,8 @@ std::uint64_t slow_best_score(const VisibilityMatrix& matrix, const Partition& g
   std::uint64_t best = RowGroups::unbounded;
   for (std::uint32_t a = 0; a < groups.groups(); ++a) {
     for (std::uint32_t b = 0; b < a; ++b) {
-      const Set of_a(unions.row(a).begin(), unions.row(a).end()), of_b(unions.row(b).begin(), unions.row(b).end());
+      const Set of_a(unions.row(a).begin(), unions.row(a).end()),
+          of_b(unions.row(b).begin(), unions.row(b).end());
       best = std::min(best, slow_score(of_a, members.row(a).size(), of_b, members.row(b).size()));
     }
   }
@@ -83,7 +84,8 @@ TEST(RowGroups, FindTheBestPartnerThatEverySearchFinds) {
       best = std::min(best, pair.score);
     }
     ASSERT_EQ(best, slow_best_score(matrix, partition));
-    const std::uint32_t into = groups.alive()[random.below(static_cast<std::uint32_t>(groups.alive().size()))];
+    const std::uint32_t into =
+        groups.alive()[random.below(static_cast<std::uint32_t>(groups.alive().size()))];
     const std::uint32_t from = groups.best_partner(into).partner;
     groups.merge(into, from);
     EXPECT_FALSE(groups.is_alive(from));
@@ -184,7 +186,8 @@ TEST_P(EveryGrouping, LeavesNoColumnWithLessThanItsRoom) {
   for (std::uint32_t c = 0; c < 60; ++c) room[c] = c % 7 == 0 ? 3 : 20;
   const Partition groups = GetParam().group_rows(matrix, {.lost = zeros(matrix), .room_in_column = room});
   EXPECT_LT(groups.groups(), 80u);
-  const VisibilityMatrix before = transpose(matrix), after = transpose(expand_rows(merge_rows(matrix, groups), groups));
+  const VisibilityMatrix before = transpose(matrix),
+                         after = transpose(expand_rows(merge_rows(matrix, groups), groups));
   for (std::uint32_t c = 0; c < 60; ++c) EXPECT_LE(after.row(c).size() - before.row(c).size(), room[c]) << c;
 }
 
@@ -217,8 +220,7 @@ TEST_P(EveryGrouping, SharesWhatMayBeLostAmongBothSides) {
   const auto most = zeros(matrix) / 10;
   for (const MergeSide side : {MergeSide::rows, MergeSide::columns, MergeSide::both}) {
     for (const double in_row : {1.0, 0.12}) {
-      const MergeGroups groups =
-          group_sides(matrix, side, GetParam(), {.lost = most, .lost_in_row = in_row});
+      const MergeGroups groups = group_sides(matrix, side, GetParam(), {.lost = most, .lost_in_row = in_row});
       EXPECT_EQ(groups.rows.has_value(), side != MergeSide::columns);
       EXPECT_EQ(groups.columns.has_value(), side != MergeSide::rows);
       VisibilityMatrix lossy = matrix;

@@ -62,8 +62,7 @@ TEST(SampledTour, ABlocksSampleIsNearlyAsGoodAsEachColumnsOwn) {
     at = found != sample.end() ? found->second : free;
   }
   const auto order = order_by_sampled_tour(m, {.neighbours = k, .samples = samples, .flip_edges = false});
-  EXPECT_NEAR(static_cast<double>(count_runs(m, order)),
-              static_cast<double>(runs_of_visits(points, visits)),
+  EXPECT_NEAR(static_cast<double>(count_runs(m, order)), static_cast<double>(runs_of_visits(points, visits)),
               .1 * static_cast<double>(runs_of_visits(points, visits)));
 }
 

@@ -237,7 +237,8 @@ TEST(Dataset, RefusesGeometryThatDoesNotFit) {
     d.source.columns_are_nodes = true;
     d.source.tree = std::nullopt;
   });
-  refused("/vismat/row_names: has 2 names, but there are 3 rows", [](Dataset& d) { d.source.row_names.pop_back(); });
+  refused("/vismat/row_names: has 2 names, but there are 3 rows",
+          [](Dataset& d) { d.source.row_names.pop_back(); });
   refused("/vismat/column_levels: has 1 columns, but there are 3 columns of the source",
           [](Dataset& d) { d.source.column_levels.resize(1); });
   refused("/vismat/row_tree: has 4 objects, but there are 3 rows",

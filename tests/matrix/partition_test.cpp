@@ -62,7 +62,8 @@ TEST(Partition, MergesIntoUnionsAndExpandsThem) {
   const VisibilityMatrix expanded = expand_columns(expand_rows(merged, rows), columns);
   for (std::uint32_t r = 0; r < 40; ++r) {
     for (std::uint32_t c = 0; c < 30; ++c)
-      EXPECT_EQ(expanded.contains(r, c), merged.contains(rows.group_of_member()[r], columns.group_of_member()[c]));
+      EXPECT_EQ(expanded.contains(r, c),
+                merged.contains(rows.group_of_member()[r], columns.group_of_member()[c]));
   }
   EXPECT_EQ(loss_of(expanded, matrix).missing, 0u);
   EXPECT_EQ(merge_rows(matrix, Partition::identity(40)), matrix);

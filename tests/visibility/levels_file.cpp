@@ -86,7 +86,8 @@ TEST_F(LevelFile, ScriptsOfItsOwnPackageCount) {
     tiny::Bytes bytes;
     tiny::put_text(bytes, script, script.size());
     return read_level(write("s.pk3", tiny::zip({{"scripts/a.shader", bytes, true},
-                                                {"maps/one.bsp", tiny::Quake().bytes()}})) + ":maps/one.bsp")
+                                                {"maps/one.bsp", tiny::Quake().bytes()}})) +
+                      ":maps/one.bsp")
         .face_scene.see_through;
   };
   EXPECT_EQ(see_through("textures/base { { map a.tga alphafunc gt0 } }"), std::vector<std::uint8_t>(5, 1));

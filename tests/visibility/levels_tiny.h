@@ -48,7 +48,8 @@ struct Quake {
   std::array<char, 4> magic = {'I', 'B', 'S', 'P'};
   std::int32_t version = 46, clusters = 3, row_bytes = 8;
   std::string entities = "{}";
-  std::vector<std::array<float, 4>> planes;  // one a node: x, y, z, distance; none: nobody asks where a point lies
+  std::vector<std::array<float, 4>>
+      planes;  // one a node: x, y, z, distance; none: nobody asks where a point lies
   std::vector<std::array<std::int32_t, 2>> nodes = {{1, 2}, {-2, -3}, {3, -5}, {-4, -6}};
   std::vector<Leaf> leafs = {{0, {0, 0, 0, 0, 0, 0}, 0, 0},  // no node leads here
                              {0, {0, 0, 0, 64, 64, 64}, 0, 2},    {1, {64, 0, 0, 128, 64, 64}, 2, 2},
@@ -103,8 +104,8 @@ struct Quake {
     }
     lumps[11] = bytes_of(meshverts);
     for (const Face& face : faces) {
-      for (const std::int32_t field : {face.shader, -1, face.type, face.first_vertex, face.vertices, face.first_index,
-                                       face.indices, 0, 0, 0, 0, 0}) {
+      for (const std::int32_t field : {face.shader, -1, face.type, face.first_vertex, face.vertices,
+                                       face.first_index, face.indices, 0, 0, 0, 0, 0}) {
         put(lumps[13], field);
       }
       for (const float x : face.origin) put(lumps[13], x);

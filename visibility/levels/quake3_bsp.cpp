@@ -73,7 +73,8 @@ struct Face {
   float lightmap_axes[2][3], normal[3];
   std::int32_t width, height;  // of a patch's control points
 };
-static_assert(sizeof(Shader) == 72 && sizeof(Node) == 36 && sizeof(Leaf) == 48 && sizeof(Vertex) == 44 && sizeof(Face) == 104);
+static_assert(sizeof(Shader) == 72 && sizeof(Node) == 36 && sizeof(Leaf) == 48 && sizeof(Vertex) == 44 &&
+              sizeof(Face) == 104);
 
 constexpr std::size_t most_places = 1
                                     << 15;  // leafs with a cluster; the engine's 2 MB of visdata end at 4096
@@ -383,7 +384,8 @@ class FaceGeometry {
 
 // How far the compiler let anything be seen, by the first entity's keys, in metres; 0: without limit.
 float far_plane_of(const Lumps& lumps) {
-  std::string_view world(reinterpret_cast<const char*>(lumps[entities_lump].data()), lumps[entities_lump].size());
+  std::string_view world(reinterpret_cast<const char*>(lumps[entities_lump].data()),
+                         lumps[entities_lump].size());
   world = world.substr(0, world.find('}'));
   for (const std::string_view key : {"\"_farplanedist\"", "\"fogclip\"", "\"distancecull\""}) {
     const std::size_t at = world.find(key);

@@ -18,6 +18,7 @@ namespace vismat {
 /// offender, for anything that is not a whole level with visibility data; what it allocates is bounded by the
 /// bytes given and by most_visible_pairs. O(pairs listed + leafs^2 at worst); 0.1 to 20 ms for OpenArena's
 /// levels. Deterministic.
-Level parse_quake3_bsp(std::span<const std::byte> file, const std::set<std::string>& see_through_shaders = {});
+Level parse_quake3_bsp(std::span<const std::byte> file,
+                       const std::set<std::string>& see_through_shaders = {});
 
 }  // namespace vismat
