@@ -20,9 +20,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure.h"
-#include "codecs/delimiter.h"
-#include "matrix/random.h"
+#include "codecs/integer_codes/delimiter.h"
+#include "matrix/base/random.h"
+#include "programs/measuring.h"
 #include "tests/codecs/delimiter_reference.h"
 
 namespace {

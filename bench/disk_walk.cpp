@@ -1,7 +1,7 @@
 // Disk reads of a viewer who walks through a level, by the order its faces have on the disk [Chhugani et al. 2005, 6.1
 // and Fig. 12].
 //
-// The walk is bench/level_walk.h's. In each cell the faces seen and not in memory are fetched. A face takes the bytes of
+// The walk is runtime/level_walk.h's. In each cell the faces seen and not in memory are fetched. A face takes the bytes of
 // its vertices and indices as a renderer loads them: 44 a vertex (the level's own record: place, two pairs of texture
 // coordinates, normal, colour), 4 an index, curved faces as the triangles they are drawn with.
 //
@@ -23,12 +23,12 @@
 #include <string>
 #include <vector>
 
-#include "bench/level_walk.h"
-#include "bench/measure.h"
 #include "layout/cost.h"
-#include "layout/disk.h"
 #include "layout/reordering.h"
-#include "matrix/atomic_file.h"
+#include "matrix/base/atomic_file.h"
+#include "programs/measuring.h"
+#include "runtime/disk_layout.h"
+#include "runtime/level_walk.h"
 #include "visibility/levels/level_file.h"
 
 namespace {

@@ -18,15 +18,15 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure.h"
-#include "layout/column_points.h"
-#include "layout/distinct_columns.h"
-#include "layout/random_order.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "layout/orders/random_order.h"
+#include "layout/points/column_points.h"
+#include "layout/points/distinct_columns.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/parallel.h"
+#include "matrix/base/random.h"
+#include "matrix/files/dataset_file.h"
 #include "matrix/generate.h"
-#include "matrix/parallel.h"
-#include "matrix/random.h"
+#include "programs/measuring.h"
 
 namespace {
 

@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure.h"
-#include "layout/distinct_columns.h"
-#include "layout/flann_tour.h"
-#include "matrix/atomic_file.h"
+#include "layout/points/distinct_columns.h"
+#include "layout/tours/flann_tour.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/random.h"
 #include "matrix/bit_rows.h"
-#include "matrix/random.h"
+#include "programs/measuring.h"
 
 namespace {
 

@@ -16,20 +16,20 @@
 
 #include <CLI/CLI.hpp>
 
-#include "bench/measure.h"
-#include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "codecs/container.h"
-#include "codecs/program_codecs.h"
-#include "codecs/row_reader.h"
-#include "codecs/sections.h"
-#include "codecs/tree_coding.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/baselines/program_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/tree/tree_coding.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
+#include "codecs/vmat/sections.h"
 #include "layout/best_order.h"
-#include "layout/random_order.h"
-#include "layout/set_tree.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
-#include "visibility/bounding_volume_tree.h"
+#include "layout/orders/random_order.h"
+#include "layout/trees/set_tree.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
+#include "programs/measuring.h"
+#include "visibility/geometry/bounding_volume_tree.h"
 
 namespace {
 

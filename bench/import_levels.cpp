@@ -13,7 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "matrix/parallel.h"
+#include "matrix/base/parallel.h"
+#include "matrix/files/dataset_file.h"
 #include "visibility/levels/level_file.h"
 
 namespace {

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "bench/lossy_merge.h"
-#include "cli/progress.h"
-#include "matrix/random.h"
+#include "matrix/base/random.h"
+#include "programs/progress.h"
 
 namespace {
 

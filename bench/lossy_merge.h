@@ -10,18 +10,18 @@
 #include <utility>
 #include <vector>
 
-#include "bench/measure.h"
-#include "codecs/baseline_codecs.h"
-#include "codecs/container.h"
-#include "codecs/program_codecs.h"
-#include "codecs/sections.h"
-#include "codecs/tree_coding.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/baselines/program_codecs.h"
+#include "codecs/tree/tree_coding.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/sections.h"
 #include "layout/best_order.h"
-#include "layout/greedy_order.h"
-#include "layout/grouping.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "layout/groups/grouping.h"
+#include "layout/orders/greedy_order.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
 #include "matrix/loss.h"
+#include "programs/measuring.h"
 #include "programs/prepared_for.h"
 
 namespace vismat::bench {

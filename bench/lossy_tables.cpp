@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "bench/lossy_merge.h"
-#include "cli/progress.h"
-#include "codecs/bitmap.h"
+#include "codecs/rows/bitmap.h"
+#include "programs/progress.h"
 
 namespace {
 

@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "cli/progress.h"
-#include "matrix/parallel.h"
+#include "matrix/base/parallel.h"
+#include "programs/progress.h"
 #include "visibility/exact/witness.h"
+#include "visibility/generators/city.h"
+#include "visibility/generators/dense_city.h"
+#include "visibility/generators/plant.h"
 #include "visibility/levels/level_file.h"
-#include "visibility/made/city.h"
-#include "visibility/made/dense_city.h"
-#include "visibility/made/plant.h"
 #include "visibility/rays/aimed_rays.h"
 #include "visibility/scene_file.h"
 

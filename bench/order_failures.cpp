@@ -27,19 +27,19 @@
 #include <utility>
 #include <vector>
 
-#include "bench/measure.h"
-#include "layout/bound.h"
+#include "layout/bounds/bound.h"
 #include "layout/cost.h"
-#include "layout/random_order.h"
+#include "layout/orders/random_order.h"
+#include "layout/points/sketch.h"
+#include "layout/points/sparse_points.h"
 #include "layout/reordering.h"
-#include "layout/sampled_tour.h"
-#include "layout/sketch.h"
-#include "layout/sparse_points.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "layout/tours/sampled_tour.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/parallel.h"
+#include "matrix/base/random.h"
+#include "matrix/files/dataset_file.h"
 #include "matrix/generate.h"
-#include "matrix/parallel.h"
-#include "matrix/random.h"
+#include "programs/measuring.h"
 
 namespace {
 

@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure.h"
+#include "layout/bounds/held_karp.h"
+#include "layout/bounds/nearest_bound.h"
 #include "layout/cost.h"
-#include "layout/held_karp.h"
-#include "layout/nearest_bound.h"
-#include "layout/random_order.h"
-#include "layout/sampled_tour.h"
-#include "layout/scale_tour.h"
-#include "matrix/atomic_file.h"
+#include "layout/orders/random_order.h"
+#include "layout/tours/sampled_tour.h"
+#include "layout/tours/scale_tour.h"
+#include "matrix/base/atomic_file.h"
 #include "matrix/generate.h"
+#include "programs/measuring.h"
 
 namespace {
 

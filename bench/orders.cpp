@@ -18,13 +18,13 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure.h"
-#include "layout/bound.h"
+#include "layout/bounds/bound.h"
 #include "layout/cost.h"
-#include "layout/greedy_order.h"
+#include "layout/orders/greedy_order.h"
 #include "layout/reordering.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
+#include "programs/measuring.h"
 
 namespace {
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure.h"
-#include "codecs/panne.h"
-#include "codecs/row_codec.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "codecs/clusters/panne.h"
+#include "codecs/rows/row_codec.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
 #include "matrix/generate.h"
+#include "programs/measuring.h"
 
 namespace {
 

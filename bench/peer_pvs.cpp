@@ -18,10 +18,10 @@
 #include <string>
 #include <vector>
 
-#include "cli/progress.h"
-#include "matrix/parallel.h"
-#include "matrix/random.h"
-#include "visibility/levels/growing_box.h"
+#include "matrix/base/parallel.h"
+#include "matrix/base/random.h"
+#include "programs/progress.h"
+#include "visibility/geometry/growing_box.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/rays/ray_caster.h"
 

@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure.h"
-#include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "codecs/container.h"
-#include "codecs/row_reader.h"
-#include "matrix/atomic_file.h"
-#include "matrix/random.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/random.h"
+#include "programs/measuring.h"
 
 namespace {
 

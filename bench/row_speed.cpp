@@ -22,14 +22,14 @@
 #include <string>
 #include <vector>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "codecs/container.h"
-#include "codecs/row_codec.h"
-#include "codecs/row_reader.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
-#include "matrix/random.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/rows/row_codec.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/random.h"
+#include "matrix/files/dataset_file.h"
 
 namespace {
 

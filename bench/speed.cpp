@@ -10,10 +10,10 @@
 #include <exception>
 #include <string>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "layout/greedy_order.h"
-#include "matrix/dataset.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "layout/orders/greedy_order.h"
+#include "matrix/files/dataset_file.h"
 #include "programs/prepared_for.h"
 
 namespace {

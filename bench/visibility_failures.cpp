@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bench/visibility_study.h"
-#include "matrix/atomic_file.h"
+#include "matrix/base/atomic_file.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/components.h"
 

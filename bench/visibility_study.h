@@ -18,16 +18,16 @@
 #include <utility>
 #include <vector>
 
-#include "bench/measure.h"
-#include "matrix/random.h"
+#include "matrix/base/random.h"
+#include "programs/measuring.h"
 #include "visibility/cells/grid_cells.h"
-#include "visibility/made/city.h"
-#include "visibility/made/dense_city.h"
-#include "visibility/made/plant.h"
+#include "visibility/generators/city.h"
+#include "visibility/generators/dense_city.h"
+#include "visibility/generators/plant.h"
 #include "visibility/meshes/any_scene.h"
+#include "visibility/producers/see.h"
 #include "visibility/rays/aimed_rays.h"
 #include "visibility/rays/ray_caster.h"
-#include "visibility/see.h"
 
 namespace vismat::bench {
 

@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bench/visibility_study.h"
-#include "matrix/atomic_file.h"
+#include "matrix/base/atomic_file.h"
 #include "visibility/shadows/projection_point.h"
 
 namespace {

@@ -14,19 +14,19 @@
 #include <unordered_map>
 #include <vector>
 
-#include "bench/measure.h"
-#include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "codecs/container.h"
-#include "codecs/pairs.h"
-#include "codecs/row_reader.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/rows/pairs.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
 #include "layout/best_order.h"
 #include "layout/cost.h"
-#include "layout/random_order.h"
-#include "layout/sampled_tour.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "layout/orders/random_order.h"
+#include "layout/tours/sampled_tour.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
 #include "matrix/generate.h"
+#include "programs/measuring.h"
 
 namespace {
 

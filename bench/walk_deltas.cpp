@@ -1,7 +1,7 @@
 // What a viewer loads at each boundary on a walk: ids that appear and vanish, and their bytes by each codec that gives
 // single rows [Chhugani et al. 2005, Figs. 9 and 14].
 //
-// The walk is bench/level_walk.h's: through the faces' visibility of levels, or through a matrix that knows its cells' boxes
+// The walk is runtime/level_walk.h's: through the faces' visibility of levels, or through a matrix that knows its cells' boxes
 // and neighbours. The columns are ordered by what appears and vanishes. Both lists of a boundary count. What is seen in each
 // cell on the walk is checked against its row before anything is measured.
 //
@@ -20,16 +20,16 @@
 #include <utility>
 #include <vector>
 
-#include "bench/level_walk.h"
-#include "bench/measure.h"
-#include "codecs/baseline_codecs.h"
-#include "codecs/pairs.h"
-#include "codecs/row_codec.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/pairs.h"
+#include "codecs/rows/row_codec.h"
 #include "layout/reordering.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "matrix/base/atomic_file.h"
 #include "matrix/deltas.h"
-#include "matrix/hdf5_file.h"
+#include "matrix/files/dataset_file.h"
+#include "matrix/files/hdf5_file.h"
+#include "programs/measuring.h"
+#include "runtime/level_walk.h"
 #include "visibility/levels/level_file.h"
 
 namespace {

@@ -18,13 +18,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "bench/measure.h"
-#include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "codecs/tree_coding.h"
-#include "layout/greedy_order.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/tree/tree_coding.h"
+#include "layout/orders/greedy_order.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
+#include "programs/measuring.h"
 
 namespace {
 

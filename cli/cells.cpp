@@ -6,9 +6,9 @@
 #include <stdexcept>
 
 #include "cli/cells_options.h"
-#include "cli/progress.h"
 #include "cli/verbs.h"
-#include "matrix/parallel.h"
+#include "matrix/base/parallel.h"
+#include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/any_scene.h"
 #include "visibility/rays/aimed_rays.h"

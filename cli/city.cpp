@@ -1,5 +1,5 @@
 // vismat city: a made-up city as a scene file.
-#include "visibility/made/city.h"
+#include "visibility/generators/city.h"
 
 #include <cstdio>
 #include <memory>

@@ -10,18 +10,18 @@
 #include <utility>
 #include <vector>
 
-#include "cli/progress.h"
 #include "cli/verbs.h"
 #include "cli/vmat_files.h"
-#include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "codecs/container.h"
-#include "codecs/pairs.h"
-#include "codecs/row_reader.h"
-#include "codecs/tree_coding.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/rows/pairs.h"
+#include "codecs/tree/tree_coding.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
 #include "programs/prepared_for.h"
+#include "programs/progress.h"
 
 namespace vismat::cli {
 namespace {

@@ -12,19 +12,19 @@
 #include <utility>
 #include <vector>
 
-#include "cli/progress.h"
 #include "cli/verbs.h"
-#include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "codecs/container.h"
-#include "codecs/program_codecs.h"
-#include "codecs/row_reader.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/baselines/program_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
 #include "layout/best_order.h"
-#include "layout/distinct_columns.h"
-#include "layout/random_order.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "layout/orders/random_order.h"
+#include "layout/points/distinct_columns.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
 #include "programs/prepared_for.h"
+#include "programs/progress.h"
 
 namespace vismat::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "cli/verbs.h"
-#include "matrix/dataset.h"
+#include "matrix/files/dataset_file.h"
 
 namespace vismat::cli {
 

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "cli/progress.h"
 #include "cli/summary.h"
 #include "cli/verbs.h"
-#include "layout/nearest_tree.h"
-#include "matrix/dataset.h"
-#include "matrix/touching_boxes.h"
+#include "layout/trees/nearest_tree.h"
+#include "matrix/files/dataset_file.h"
+#include "programs/progress.h"
+#include "visibility/geometry/touching_boxes.h"
 
 namespace vismat::cli {
 namespace {

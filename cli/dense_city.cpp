@@ -1,5 +1,5 @@
 // vismat dense-city: a made-up city in fine triangles as a scene file.
-#include "visibility/made/dense_city.h"
+#include "visibility/generators/dense_city.h"
 
 #include <cstdio>
 #include <memory>

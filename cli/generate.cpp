@@ -7,7 +7,7 @@
 #include <string>
 
 #include "cli/verbs.h"
-#include "matrix/dataset.h"
+#include "matrix/files/dataset_file.h"
 
 namespace vismat::cli {
 namespace {

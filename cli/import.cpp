@@ -5,7 +5,8 @@
 #include <stdexcept>
 
 #include "cli/verbs.h"
-#include "visibility/bounding_volume_tree.h"
+#include "matrix/files/dataset_file.h"
+#include "visibility/geometry/bounding_volume_tree.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/scene_file.h"
 

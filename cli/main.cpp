@@ -6,7 +6,7 @@
 #include <exception>
 
 #include "cli/verbs.h"
-#include "matrix/atomic_file.h"
+#include "matrix/base/atomic_file.h"
 
 namespace {
 

@@ -9,13 +9,13 @@
 #include <string>
 #include <utility>
 
-#include "cli/progress.h"
 #include "cli/summary.h"
 #include "cli/verbs.h"
-#include "codecs/sections.h"
-#include "layout/grouping.h"
-#include "matrix/dataset.h"
+#include "codecs/vmat/sections.h"
+#include "layout/groups/grouping.h"
+#include "matrix/files/dataset_file.h"
 #include "matrix/loss.h"
+#include "programs/progress.h"
 
 namespace vismat::cli {
 namespace {

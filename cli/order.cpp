@@ -12,15 +12,15 @@
 #include <string>
 #include <utility>
 
-#include "cli/progress.h"
 #include "cli/verbs.h"
 #include "layout/best_order.h"
-#include "layout/bound.h"
+#include "layout/bounds/bound.h"
 #include "layout/cost.h"
-#include "layout/greedy_order.h"
+#include "layout/orders/greedy_order.h"
 #include "layout/reordering.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
+#include "programs/progress.h"
 
 namespace vismat::cli {
 namespace {

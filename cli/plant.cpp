@@ -1,5 +1,5 @@
 // vismat plant: a made-up chemical plant as a scene file.
-#include "visibility/made/plant.h"
+#include "visibility/generators/plant.h"
 
 #include <cstdio>
 #include <memory>

@@ -7,15 +7,16 @@
 #include <stdexcept>
 
 #include "cli/cells_options.h"
-#include "cli/crew.h"
-#include "cli/progress.h"
 #include "cli/summary.h"
 #include "cli/verbs.h"
-#include "matrix/checksum.h"
+#include "matrix/base/checksum.h"
+#include "matrix/files/dataset_file.h"
+#include "programs/crew.h"
+#include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/any_scene.h"
+#include "visibility/producers/see.h"
 #include "visibility/rays/ray_sampling.h"
-#include "visibility/see.h"
 
 namespace vismat::cli {
 namespace {

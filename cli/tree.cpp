@@ -3,11 +3,11 @@
 #include <memory>
 #include <stdexcept>
 
-#include "cli/progress.h"
 #include "cli/verbs.h"
-#include "layout/set_tree.h"
-#include "matrix/dataset.h"
-#include "visibility/bounding_volume_tree.h"
+#include "layout/trees/set_tree.h"
+#include "matrix/files/dataset_file.h"
+#include "programs/progress.h"
+#include "visibility/geometry/bounding_volume_tree.h"
 
 namespace vismat::cli {
 namespace {

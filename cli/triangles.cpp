@@ -6,12 +6,12 @@
 #include <span>
 #include <stdexcept>
 
-#include "cli/progress.h"
 #include "cli/summary.h"
 #include "cli/verbs.h"
-#include "matrix/atomic_file.h"
-#include "matrix/dataset.h"
-#include "matrix/parallel.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/parallel.h"
+#include "matrix/files/dataset_file.h"
+#include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/any_scene.h"
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <utility>
 
-#include "cli/progress.h"
 #include "cli/summary.h"
 #include "cli/verbs.h"
 #include "cli/vmat_files.h"
 #include "matrix/dataset.h"
 #include "matrix/loss.h"
+#include "programs/progress.h"
 #include "visibility/exact/audit.h"
 #include "visibility/scene_file.h"
 

@@ -1,4 +1,5 @@
 #include "cli/vmat_files.h"
+#include "matrix/files/dataset_file.h"
 
 #include <array>
 #include <fstream>
@@ -6,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/vmat3.h"
-#include "matrix/atomic_file.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/vmat/vmat3.h"
+#include "matrix/base/atomic_file.h"
 
 namespace vismat::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "codecs/container.h"
+#include "codecs/vmat/container.h"
 #include "matrix/dataset.h"
 
 namespace vismat::cli {

@@ -1,16 +1,18 @@
 // What a codec is: matrix to bytes and back. own_codecs() is the table of ours; tests, benchmarks and the program loop over it.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "matrix/base/byte_reader.h"
+#include "matrix/base/parallel.h"
 #include "matrix/box.h"
-#include "matrix/byte_reader.h"
 #include "matrix/object_tree.h"
-#include "matrix/parallel.h"
 #include "matrix/source_map.h"
 #include "matrix/visibility_matrix.h"
 
@@ -41,7 +43,9 @@ struct Encoded {
 
 /// Whose idea a codec is: our own, a published one, or what people use today.
 enum class Origin { ours, paper, baseline };
-std::string_view to_string(Origin origin);
+inline std::string_view to_string(Origin origin) {
+  return origin == Origin::ours ? "ours" : origin == Origin::paper ? "paper" : "baseline";
+}
 
 /// What a codec's tree stands over. columns: its nodes are the columns, and the matrix is monotone over it. rows: binary, and
 /// each leaf holds a row.
@@ -101,16 +105,23 @@ struct Codec {
 };
 
 /// Of a matrix's two trees the one for this codec; null if there is none.
-const ObjectTree* tree_for(const Codec& codec, const SourceMap& source);
-
-/// What `codec` made, decoded.
-VisibilityMatrix decode(const Codec& codec, const Encoded& encoded, Shape shape, const Side& side = {},
-                        std::uint64_t most = ~std::uint64_t{0});
+inline const ObjectTree* tree_for(const Codec& codec, const SourceMap& source) {
+  if (codec.needs.tree == TreeOver::nothing) return nullptr;
+  const auto& tree = codec.needs.tree == TreeOver::rows ? source.row_tree : source.tree;
+  return tree ? &*tree : nullptr;
+}
 
 /// The codec of that name; null where there is none. The one place where names are compared.
-const Codec* codec_named(std::string_view name, std::span<const Codec> codecs);
+inline const Codec* codec_named(std::string_view name, std::span<const Codec> codecs) {
+  const auto found = std::ranges::find(codecs, name, &Codec::name);
+  return found == codecs.end() ? nullptr : &*found;
+}
 /// The codec that a file names. Throws FormatError where there is none.
-const Codec& codec_of_file(std::string_view name, std::span<const Codec> codecs);
+inline const Codec& codec_of_file(std::string_view name, std::span<const Codec> codecs) {
+  const Codec* const found = codec_named(name, codecs);
+  if (found == nullptr) throw FormatError("codec '" + std::string(name) + "' is unknown here");
+  return *found;
+}
 
 /// Our own codecs; they need POSIX and the C++20 standard library alone.
 std::span<const Codec> own_codecs();

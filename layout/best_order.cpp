@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "layout/cost.h"
-#include "layout/distinct_columns.h"
-#include "layout/polished_tour.h"
-#include "layout/scale_tour.h"
-#include "matrix/parallel.h"
+#include "layout/points/distinct_columns.h"
+#include "layout/tours/polished_tour.h"
+#include "layout/tours/scale_tour.h"
+#include "matrix/base/parallel.h"
 
 namespace vismat {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "layout/sparse_points.h"
-#include "matrix/parallel.h"
+#include "layout/points/sparse_points.h"
+#include "matrix/base/parallel.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 

@@ -5,16 +5,16 @@
 #include <string>
 
 #include "layout/best_order.h"
-#include "layout/bisection.h"
-#include "layout/exact_tour.h"
-#include "layout/flann_tour.h"
-#include "layout/greedy_order.h"
-#include "layout/lexicographic_order.h"
-#include "layout/morton_order.h"
-#include "layout/polished_tour.h"
-#include "layout/random_order.h"
-#include "layout/sampled_tour.h"
-#include "layout/scale_tour.h"
+#include "layout/orders/bisection.h"
+#include "layout/orders/greedy_order.h"
+#include "layout/orders/lexicographic_order.h"
+#include "layout/orders/morton_order.h"
+#include "layout/orders/random_order.h"
+#include "layout/tours/exact_tour.h"
+#include "layout/tours/flann_tour.h"
+#include "layout/tours/polished_tour.h"
+#include "layout/tours/sampled_tour.h"
+#include "layout/tours/scale_tour.h"
 
 namespace vismat {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <string_view>
 
+#include "matrix/base/parallel.h"
 #include "matrix/dataset.h"
-#include "matrix/parallel.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 

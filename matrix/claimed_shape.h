@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

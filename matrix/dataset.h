@@ -3,7 +3,6 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,14 +40,6 @@ struct Dataset {
   SourceMap source;
   bool operator==(const Dataset&) const = default;
 };
-
-/// Reads `.bsp.h5`, `.h5`, `.hdf5` (Binsparse) or `.mtx` (Matrix Market), told apart by their first bytes.
-/// Throws FormatError or std::runtime_error, both naming the file.
-Dataset read_dataset(const std::filesystem::path& path);
-/// By the file name's ending; `.mtx` keeps the matrix and the facts as comments, not the geometry.
-/// Throws std::invalid_argument for another ending, or a source map that does not fit the matrix. The file appears whole or not
-/// at all.
-void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 
 /// The same matrix over the tree's nodes instead of its objects (nodes_from_objects), tree kept; a node's box, where
 /// boxes are known, is the least around its objects. Orders, groups and names of the objects cannot follow and are left out.

@@ -29,8 +29,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "matrix/parallel.h"
-#include "matrix/random.h"
+#include "matrix/base/parallel.h"
+#include "matrix/base/random.h"
 
 namespace vismat {
 namespace {

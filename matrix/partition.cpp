@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 
 namespace vismat {
 

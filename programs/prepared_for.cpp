@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "layout/best_order.h"
-#include "layout/greedy_order.h"
-#include "visibility/bounding_volume_tree.h"
+#include "layout/orders/greedy_order.h"
+#include "visibility/geometry/bounding_volume_tree.h"
 
 namespace vismat {
 namespace {

@@ -3,9 +3,9 @@
 #include <string>
 
 #include "codecs/codec.h"
-#include "codecs/container.h"
+#include "codecs/vmat/container.h"
+#include "matrix/base/parallel.h"
 #include "matrix/dataset.h"
-#include "matrix/parallel.h"
 
 namespace vismat {
 

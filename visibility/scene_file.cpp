@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "matrix/atomic_file.h"
-#include "matrix/byte_reader.h"
-#include "matrix/hdf5_file.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/files/hdf5_file.h"
 
 namespace vismat {
 namespace {

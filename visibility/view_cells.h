@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "matrix/dataset.h"
-#include "visibility/convex.h"
+#include "visibility/geometry/convex.h"
 
 namespace vismat {
 

@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <thread>
 
-#include "cli/crew.h"
-#include "cli/progress.h"
-#include "matrix/atomic_file.h"
-#include "matrix/random.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/random.h"
+#include "programs/crew.h"
+#include "programs/progress.h"
 
 namespace {
 

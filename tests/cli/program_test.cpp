@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
-#include "matrix/dataset.h"
-#include "matrix/random.h"
+#include "matrix/base/random.h"
+#include "matrix/files/dataset_file.h"
 #include "tests/matrix/temporary_folder.h"
 
 namespace vismat {

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <new>
 
-#include "codecs/container.h"
-#include "codecs/row_reader.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
 #include "tests/codecs/matrices.h"
 
 namespace {

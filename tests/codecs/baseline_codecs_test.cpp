@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <string>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/program_codecs.h"
-#include "codecs/row_codec.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/baselines/program_codecs.h"
+#include "codecs/rows/row_codec.h"
 #include "tests/codecs/matrices.h"
 #include "tests/matrix/temporary_folder.h"
 

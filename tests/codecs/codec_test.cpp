@@ -5,10 +5,10 @@
 #include <map>
 #include <optional>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/bitmap.h"
-#include "codecs/container.h"
-#include "codecs/tree_coding.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/tree/tree_coding.h"
+#include "codecs/vmat/container.h"
 #include "programs/prepared_for.h"
 #include "tests/codecs/matrices.h"
 

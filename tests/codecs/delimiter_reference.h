@@ -1,4 +1,4 @@
-// The delimiter code, plain and slow: what codecs/delimiter.h is judged by.
+// The delimiter code, plain and slow: what codecs/integer_codes/delimiter.h is judged by.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 
 namespace vismat::test {
 

@@ -1,5 +1,5 @@
 // The delimiter code: its rules, the proof that it can be read, and the fast decoder beside the paper's pass bit by bit.
-#include "codecs/delimiter.h"
+#include "codecs/integer_codes/delimiter.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "tests/codecs/delimiter_reference.h"
 
 namespace vismat {

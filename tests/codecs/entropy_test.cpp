@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "codecs/bit_stream.h"
-#include "codecs/huffman.h"
-#include "codecs/range_coder.h"
-#include "codecs/run_length_symbols.h"
-#include "matrix/random.h"
+#include "codecs/entropy/bit_stream.h"
+#include "codecs/entropy/huffman.h"
+#include "codecs/entropy/range_coder.h"
+#include "codecs/entropy/run_length_symbols.h"
+#include "matrix/base/random.h"
 
 namespace vismat {
 namespace {

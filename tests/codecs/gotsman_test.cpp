@@ -7,11 +7,11 @@
 #include <string>
 #include <thread>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/bit_stream.h"
-#include "codecs/context_tree.h"
-#include "codecs/range_coder.h"
-#include "codecs/tree_coding.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/entropy/bit_stream.h"
+#include "codecs/entropy/context_tree.h"
+#include "codecs/entropy/range_coder.h"
+#include "codecs/tree/tree_coding.h"
 #include "matrix/permutation.h"
 #include "tests/codecs/matrices.h"
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "codecs/codec.h"
+#include "matrix/base/random.h"
 #include "matrix/object_tree.h"
-#include "matrix/random.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

@@ -5,17 +5,17 @@
 #include <cmath>
 #include <string>
 
-#include "codecs/ans.h"
-#include "codecs/container.h"
-#include "codecs/elias_fano_rows.h"
-#include "codecs/huffman.h"
-#include "codecs/interpolative.h"
-#include "codecs/lzw.h"
-#include "codecs/pair_huffman.h"
-#include "codecs/pairs.h"
-#include "codecs/rice.h"
-#include "codecs/row_reader.h"
-#include "codecs/universal_codes.h"
+#include "codecs/entropy/ans.h"
+#include "codecs/entropy/huffman.h"
+#include "codecs/integer_codes/interpolative.h"
+#include "codecs/integer_codes/lzw.h"
+#include "codecs/integer_codes/pair_huffman.h"
+#include "codecs/integer_codes/rice.h"
+#include "codecs/integer_codes/universal_codes.h"
+#include "codecs/rows/elias_fano_rows.h"
+#include "codecs/rows/pairs.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <string>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/panne.h"
-#include "codecs/row_codec.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/clusters/panne.h"
+#include "codecs/rows/row_codec.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -1,4 +1,4 @@
-#include "codecs/part_index.h"
+#include "codecs/vmat/part_index.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <bit>
 #include <cmath>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 
 namespace vismat {
 namespace {

@@ -1,5 +1,5 @@
 // Files read row by row: every codec that can, every form, damage at every byte, threads, memory.
-#include "codecs/row_reader.h"
+#include "codecs/vmat/row_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -7,13 +7,13 @@
 #include <bit>
 #include <thread>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/bit_stream.h"
-#include "codecs/bitmap.h"
-#include "codecs/container.h"
-#include "codecs/sections.h"
-#include "matrix/atomic_file.h"
-#include "matrix/checksum.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/entropy/bit_stream.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/sections.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/checksum.h"
 #include "matrix/deltas.h"
 #include "tests/codecs/matrices.h"
 #include "tests/matrix/temporary_folder.h"

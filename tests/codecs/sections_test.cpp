@@ -1,16 +1,16 @@
-#include "codecs/sections.h"
+#include "codecs/vmat/sections.h"
 
 #include <algorithm>
 #include <bit>
 
 #include <gtest/gtest.h>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/bit_stream.h"
-#include "codecs/container.h"
-#include "codecs/row_reader.h"
-#include "matrix/byte_reader.h"
-#include "matrix/random.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/entropy/bit_stream.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/base/random.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "codecs/pairs.h"
-#include "codecs/row_codec.h"
-#include "codecs/universal_codes.h"
+#include "codecs/integer_codes/universal_codes.h"
+#include "codecs/rows/pairs.h"
+#include "codecs/rows/row_codec.h"
 
 namespace vismat::test {
 

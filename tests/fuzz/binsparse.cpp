@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "matrix/binsparse.h"
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/files/binsparse.h"
 
 namespace {
 

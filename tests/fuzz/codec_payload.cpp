@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/parts.h"
-#include "codecs/row_source.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/vmat/parts.h"
+#include "codecs/vmat/row_source.h"
 #include "tests/codecs/matrices.h"
 
 namespace {

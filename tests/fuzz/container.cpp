@@ -6,10 +6,10 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "codecs/baseline_codecs.h"
-#include "codecs/container.h"
-#include "codecs/row_reader.h"
-#include "codecs/vmat3.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
+#include "codecs/vmat/vmat3.h"
 
 namespace {
 

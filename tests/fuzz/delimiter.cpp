@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <optional>
 
-#include "codecs/delimiter.h"
+#include "codecs/integer_codes/delimiter.h"
 #include "tests/codecs/delimiter_reference.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

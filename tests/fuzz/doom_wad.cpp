@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace vismat;

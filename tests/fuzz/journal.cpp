@@ -6,9 +6,9 @@
 #include <cstring>
 #include <vector>
 
-#include "matrix/byte_reader.h"
-#include "matrix/checksum.h"
-#include "visibility/crew/journal.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/base/checksum.h"
+#include "visibility/jobs/journal.h"
 
 namespace {
 

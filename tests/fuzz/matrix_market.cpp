@@ -4,8 +4,8 @@
 #include <sstream>
 #include <string>
 
-#include "matrix/byte_reader.h"
-#include "matrix/matrix_market.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/files/matrix_market.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace vismat;

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 #include "visibility/meshes/components.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
-#include "matrix/atomic_file.h"
-#include "matrix/byte_reader.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
 #include "tests/matrix/temporary_folder.h"
 #include "visibility/scene_file.h"
 

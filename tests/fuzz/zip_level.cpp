@@ -4,7 +4,7 @@
 #include <set>
 #include <string>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 #include "visibility/levels/pk3.h"
 #include "visibility/levels/quake3_bsp.h"
 #include "visibility/levels/shader_script.h"

@@ -34,7 +34,7 @@ with tempfile.TemporaryDirectory() as folder:
         "add_executable(engine engine.cpp headers.cpp)\ntarget_compile_options(engine PRIVATE -Wall -Wextra -Werror)\n" + block("cmake") +
         "add_library(plugin SHARED plugin.cpp)\ntarget_link_libraries(plugin PRIVATE vismat::codecs)\n")
     (folder / "plugin.cpp").write_text(
-        '#include "codecs/row_reader.h"\n\n'
+        '#include "codecs/vmat/row_reader.h"\n\n'
         'extern "C" unsigned rows_of(const char* path) { return vismat::RowReader(path).shape().rows; }\n')
     run(cmake, "-G", "Ninja", "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={folder / 'installed'}")
     run(cmake, "--build", folder / "build")

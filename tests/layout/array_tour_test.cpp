@@ -1,5 +1,5 @@
 // Turned ways against a plain list.
-#include "layout/array_tour.h"
+#include "layout/tours/array_tour.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 
 namespace vismat {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "layout/bound.h"
+#include "layout/bounds/bound.h"
 #include "layout/cost.h"
-#include "layout/exact_tour.h"
-#include "layout/random_order.h"
+#include "layout/orders/random_order.h"
+#include "layout/tours/exact_tour.h"
 #include "matrix/generate.h"
 #include "tests/codecs/matrices.h"
 

@@ -1,5 +1,5 @@
 // Certificates against all pairs, bounds against the best of all orders.
-#include "layout/bound.h"
+#include "layout/bounds/bound.h"
 
 #include <gtest/gtest.h>
 
@@ -10,11 +10,11 @@
 #include <set>
 #include <stdexcept>
 
-#include "layout/held_karp.h"
-#include "layout/nearest_bound.h"
-#include "layout/pair_distances.h"
-#include "layout/random_order.h"
-#include "layout/scale_tour.h"
+#include "layout/bounds/held_karp.h"
+#include "layout/bounds/nearest_bound.h"
+#include "layout/orders/random_order.h"
+#include "layout/points/pair_distances.h"
+#include "layout/tours/scale_tour.h"
 #include "matrix/generate.h"
 #include "tests/codecs/matrices.h"
 

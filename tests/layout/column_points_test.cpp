@@ -1,5 +1,5 @@
 // Exact lists against a full sort.
-#include "layout/column_points.h"
+#include "layout/points/column_points.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "layout/random_order.h"
+#include "layout/orders/random_order.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

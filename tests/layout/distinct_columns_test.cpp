@@ -1,12 +1,12 @@
 // Equal columns, collapsed and unfolded.
-#include "layout/distinct_columns.h"
+#include "layout/points/distinct_columns.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "layout/cost.h"
-#include "layout/random_order.h"
+#include "layout/orders/random_order.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -1,5 +1,5 @@
 // The walk against its definition.
-#include "layout/exact_tour.h"
+#include "layout/tours/exact_tour.h"
 
 #include <gtest/gtest.h>
 

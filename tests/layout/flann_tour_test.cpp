@@ -1,7 +1,7 @@
 // The order by FLANN's neighbours. FLANN seeds itself from the system, so nothing here expects the same result twice:
 // what is tested holds for every result. Each of FLANN's known traps is pinned in FLANN itself (FlannTrap), so that the
 // day it is mended shows, and shown not to be walked into (FlannTour, FlannNeighbours).
-#include "layout/flann_tour.h"
+#include "layout/tours/flann_tour.h"
 
 #if defined(FLANN_HPP_) || __has_include(<mpi.h>) || __has_include(<H5public.h>)
 #error "layout's headers and flags show nothing of FLANN, nor of the MPI and HDF5 its package brings along"
@@ -17,7 +17,7 @@
 #include <tuple>
 
 #include "layout/cost.h"
-#include "layout/random_order.h"
+#include "layout/orders/random_order.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

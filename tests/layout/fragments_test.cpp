@@ -1,5 +1,5 @@
 // Greedy edges on cases small enough to see.
-#include "layout/fragments.h"
+#include "layout/tours/fragments.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "layout/greedy_order.h"
+#include "layout/orders/greedy_order.h"
 
 #include <gtest/gtest.h>
 

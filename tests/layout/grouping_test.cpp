@@ -1,4 +1,4 @@
-#include "layout/grouping.h"
+#include "layout/groups/grouping.h"
 
 #include <algorithm>
 #include <set>
@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "layout/pair_grouping.h"
-#include "layout/row_groups.h"
+#include "layout/groups/pair_grouping.h"
+#include "layout/groups/row_groups.h"
+#include "matrix/base/random.h"
 #include "matrix/loss.h"
-#include "matrix/random.h"
 
 namespace vismat {
 namespace {

@@ -1,5 +1,5 @@
 // Bit strings, sorted.
-#include "layout/lexicographic_order.h"
+#include "layout/orders/lexicographic_order.h"
 
 #include <gtest/gtest.h>
 

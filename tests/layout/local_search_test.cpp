@@ -1,12 +1,12 @@
 // Moves against the tours they lead to.
-#include "layout/local_search.h"
+#include "layout/tours/local_search.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "layout/tour.h"
-#include "matrix/random.h"
+#include "layout/tours/tour.h"
+#include "matrix/base/random.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -1,5 +1,5 @@
 // A Z-order curve on four boxes.
-#include "layout/morton_order.h"
+#include "layout/orders/morton_order.h"
 
 #include <gtest/gtest.h>
 

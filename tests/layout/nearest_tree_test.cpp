@@ -1,4 +1,4 @@
-#include "layout/nearest_tree.h"
+#include "layout/trees/nearest_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <tuple>
 #include <vector>
 
-#include "layout/components.h"
+#include "matrix/base/random.h"
+#include "matrix/base/union_find.h"
 #include "matrix/bit_rows.h"
-#include "matrix/random.h"
 
 namespace vismat {
 namespace {
@@ -40,7 +40,7 @@ std::uint64_t least_length(const BitRows& bits) {
       pairs.emplace_back(hamming_distance(bits.row(a), bits.row(b)), a, b);
   }
   std::ranges::sort(pairs);
-  Components components(rows);
+  UnionFind components(rows);
   std::uint64_t length = 0;
   for (const auto& [distance, a, b] : pairs) {
     const std::uint32_t one = components.find(a), other = components.find(b);
@@ -57,7 +57,7 @@ void expect_least_tree(const VisibilityMatrix& matrix) {
   ASSERT_EQ(tree.shape(), (Shape{rows, rows}));
   EXPECT_EQ(tree, transpose(tree));
   const BitRows bits(matrix);
-  Components components(rows);
+  UnionFind components(rows);
   std::uint64_t length = 0, pairs = 0;
   for (std::uint32_t a = 0; a < rows; ++a) {
     for (const std::uint32_t b : tree.row(a)) {

@@ -1,15 +1,15 @@
 // Polished tours against brute force on up to 8 columns, and against what they came from.
-#include "layout/polished_tour.h"
+#include "layout/tours/polished_tour.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "layout/bound.h"
+#include "layout/bounds/bound.h"
 #include "layout/cost.h"
-#include "layout/exact_tour.h"
-#include "layout/random_order.h"
+#include "layout/orders/random_order.h"
+#include "layout/tours/exact_tour.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

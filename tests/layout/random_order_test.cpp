@@ -1,5 +1,5 @@
 // Every order alike.
-#include "layout/random_order.h"
+#include "layout/orders/random_order.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "layout/cost.h"
-#include "layout/random_order.h"
+#include "layout/orders/random_order.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -1,5 +1,5 @@
 // The printed method against the same steps done plainly.
-#include "layout/sampled_tour.h"
+#include "layout/tours/sampled_tour.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "layout/cost.h"
-#include "layout/sparse_points.h"
+#include "layout/points/sparse_points.h"
 #include "matrix/generate.h"
 #include "tests/codecs/matrices.h"
 

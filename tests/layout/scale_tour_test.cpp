@@ -1,5 +1,5 @@
 // The order at scale against all-pairs tours at small size.
-#include "layout/scale_tour.h"
+#include "layout/tours/scale_tour.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "layout/cost.h"
-#include "layout/polished_tour.h"
-#include "layout/sparse_search.h"
+#include "layout/tours/polished_tour.h"
+#include "layout/tours/sparse_search.h"
 #include "matrix/generate.h"
 #include "tests/codecs/matrices.h"
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "layout/random_order.h"
-#include "layout/set_tree.h"
+#include "layout/orders/random_order.h"
+#include "layout/trees/set_tree.h"
 #include "matrix/permutation.h"
 #include "tests/codecs/matrices.h"
 

@@ -1,13 +1,13 @@
 // Points in memory against the matrix, and out of core against those in memory.
-#include "layout/sparse_points.h"
+#include "layout/points/sparse_points.h"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
-#include "layout/column_points.h"
 #include "layout/cost.h"
-#include "layout/random_order.h"
+#include "layout/orders/random_order.h"
+#include "layout/points/column_points.h"
 #include "tests/codecs/matrices.h"
 #include "tests/matrix/temporary_folder.h"
 

@@ -1,10 +1,10 @@
 // Tours cut open.
-#include "layout/tour.h"
+#include "layout/tours/tour.h"
 
 #include <gtest/gtest.h>
 
 #include "layout/cost.h"
-#include "layout/exact_tour.h"
+#include "layout/tours/exact_tour.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -1,4 +1,4 @@
-#include "matrix/atomic_file.h"
+#include "matrix/base/atomic_file.h"
 
 #include <gtest/gtest.h>
 

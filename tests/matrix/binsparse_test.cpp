@@ -1,11 +1,11 @@
-#include "matrix/binsparse.h"
+#include "matrix/files/binsparse.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 #include "tests/matrix/temporary_folder.h"
 
 namespace vismat {

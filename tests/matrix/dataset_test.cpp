@@ -1,4 +1,4 @@
-#include "matrix/dataset.h"
+#include "matrix/files/dataset_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -10,11 +10,11 @@
 #include <fstream>
 #include <functional>
 
-#include "matrix/atomic_file.h"
-#include "matrix/binsparse.h"
-#include "matrix/byte_reader.h"
-#include "matrix/hdf5_file.h"
-#include "matrix/random.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/base/random.h"
+#include "matrix/files/binsparse.h"
+#include "matrix/files/hdf5_file.h"
 #include "tests/matrix/temporary_folder.h"
 
 namespace vismat {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 
 namespace vismat {
 namespace {

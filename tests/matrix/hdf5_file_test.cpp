@@ -1,4 +1,4 @@
-#include "matrix/hdf5_file.h"
+#include "matrix/files/hdf5_file.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <functional>
 #include <numeric>
 
-#include "matrix/atomic_file.h"
-#include "matrix/byte_reader.h"
-#include "matrix/random.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/base/random.h"
 #include "tests/matrix/temporary_folder.h"
 
 namespace vismat {

@@ -1,12 +1,12 @@
-#include "matrix/matrix_market.h"
+#include "matrix/files/matrix_market.h"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 #include <string>
 
-#include "matrix/byte_reader.h"
-#include "matrix/random.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/base/random.h"
 
 namespace vismat {
 namespace {

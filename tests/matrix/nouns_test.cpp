@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "matrix/base/byte_reader.h"
+#include "matrix/base/parallel.h"
+#include "matrix/base/random.h"
 #include "matrix/bit_rows.h"
-#include "matrix/byte_reader.h"
 #include "matrix/object_tree.h"
-#include "matrix/parallel.h"
 #include "matrix/permutation.h"
-#include "matrix/random.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

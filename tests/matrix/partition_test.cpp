@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "matrix/base/random.h"
 #include "matrix/loss.h"
-#include "matrix/random.h"
 
 namespace vismat {
 namespace {

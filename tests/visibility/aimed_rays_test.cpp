@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "tests/visibility/open_boxes.h"
-#include "visibility/convex.h"
+#include "visibility/geometry/convex.h"
 
 namespace vismat {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "visibility/exact/witness.h"
-#include "visibility/made/city.h"
+#include "visibility/generators/city.h"
 #include "visibility/rays/sampled.h"
 
 namespace vismat {

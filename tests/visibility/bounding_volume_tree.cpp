@@ -1,4 +1,4 @@
-#include "visibility/bounding_volume_tree.h"
+#include "visibility/geometry/bounding_volume_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 
 namespace vismat {
 namespace {

@@ -6,13 +6,13 @@
 #include <functional>
 #include <stdexcept>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "visibility/cells/cells_choice.h"
 #include "visibility/cells/grid_cells.h"
 #include "visibility/cells/ground_cells.h"
 #include "visibility/cells/octree_cells.h"
-#include "visibility/made/city.h"
-#include "visibility/made/dense_city.h"
+#include "visibility/generators/city.h"
+#include "visibility/generators/dense_city.h"
 #include "visibility/rays/ray_caster.h"
 
 namespace vismat {

@@ -1,4 +1,4 @@
-#include "visibility/made/city.h"
+#include "visibility/generators/city.h"
 
 #include <gtest/gtest.h>
 

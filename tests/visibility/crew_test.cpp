@@ -1,5 +1,5 @@
 // Crews with and without a journal: the same bytes for any number of threads and after any end of earlier runs.
-#include "visibility/crew/crew.h"
+#include "visibility/jobs/crew.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -10,11 +10,11 @@
 #include <atomic>
 #include <cstring>
 
-#include "matrix/atomic_file.h"
-#include "matrix/byte_reader.h"
-#include "matrix/random.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/base/random.h"
 #include "tests/matrix/temporary_folder.h"
-#include "visibility/crew/journal.h"
+#include "visibility/jobs/journal.h"
 
 namespace vismat {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "tests/visibility/analytic_scenes.h"
 #include "visibility/exact/line_space.h"
 

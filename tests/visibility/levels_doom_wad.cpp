@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 #include "tests/visibility/levels_tiny.h"
 #include "visibility/levels/doom_wad.h"
 

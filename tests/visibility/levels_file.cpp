@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "matrix/atomic_file.h"
-#include "matrix/byte_reader.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/files/dataset_file.h"
 #include "tests/visibility/levels_tiny.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/levels/pk3.h"

@@ -11,10 +11,10 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "visibility/detail/back_faces.h"
-#include "visibility/made/dense_city.h"
-#include "visibility/made/solids.h"
+#include "visibility/generators/dense_city.h"
+#include "visibility/generators/solids.h"
 
 namespace vismat {
 namespace {
@@ -27,7 +27,7 @@ Mesh mesh_of_object(const Scene& scene, std::uint32_t object) {
   for (std::uint32_t t = 0; t < scene.object_of_triangle.size(); ++t) {
     if (scene.object_of_triangle[t] == object) triangles.push_back(t);
   }
-  return mesh_of(scene, triangles);
+  return mesh_of(scene.vertices, scene.indices, triangles);
 }
 
 dvec3 nearest_on_triangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
@@ -137,7 +137,7 @@ TEST(LevelsOfDetail, BoundariesDriftNoFarther) {
   const Mesh mesh = mesh_of_object(open_wave(), 0);
   const auto boundary = [&](const Triangles& triangles) {  // as needles, so that nearest() serves
     Triangles needles;
-    const std::vector<Side> sides = sides_of({mesh.vertices, triangles});
+    const std::vector<MeshSide> sides = sides_of({mesh.vertices, triangles});
     for (std::size_t i = 0; i < sides.size(); ++i) {
       const bool shared = (i > 0 && sides[i - 1].ends == sides[i].ends) ||
                           (i + 1 < sides.size() && sides[i + 1].ends == sides[i].ends);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 #include "tests/visibility/levels_tiny.h"
 #include "visibility/levels/quake3_bsp.h"
 

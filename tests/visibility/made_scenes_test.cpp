@@ -6,10 +6,10 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "matrix/touching_boxes.h"
-#include "visibility/made/dense_city.h"
-#include "visibility/made/plant.h"
-#include "visibility/made/solids.h"
+#include "visibility/generators/dense_city.h"
+#include "visibility/generators/plant.h"
+#include "visibility/generators/solids.h"
+#include "visibility/geometry/touching_boxes.h"
 
 namespace vismat {
 namespace {

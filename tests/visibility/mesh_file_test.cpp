@@ -13,11 +13,11 @@
 #include <string>
 #include <string_view>
 
-#include "matrix/atomic_file.h"
-#include "matrix/byte_reader.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
 #include "tests/matrix/temporary_folder.h"
 #include "tests/visibility/levels_tiny.h"
-#include "visibility/made/city.h"
+#include "visibility/generators/city.h"
 #include "visibility/meshes/any_scene.h"
 #include "visibility/meshes/components.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 
 namespace vismat {
 namespace {

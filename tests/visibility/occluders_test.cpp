@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "tests/visibility/occluder_scenes.h"
-#include "visibility/made/city.h"
+#include "visibility/generators/city.h"
 
 namespace vismat {
 namespace {

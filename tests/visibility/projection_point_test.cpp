@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "visibility/shadows/shadow.h"
 
 namespace vismat {

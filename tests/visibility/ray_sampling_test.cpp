@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "tests/visibility/open_boxes.h"
-#include "visibility/made/city.h"
+#include "visibility/generators/city.h"
 #include "visibility/rays/ray_caster.h"
 
 namespace vismat {

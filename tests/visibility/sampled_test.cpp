@@ -8,7 +8,7 @@
 
 #include "tests/visibility/analytic_scenes.h"
 #include "tests/visibility/open_boxes.h"
-#include "visibility/made/city.h"
+#include "visibility/generators/city.h"
 
 namespace vismat {
 namespace {

@@ -8,9 +8,9 @@
 #include <limits>
 #include <vector>
 
-#include "matrix/atomic_file.h"
-#include "matrix/byte_reader.h"
-#include "matrix/hdf5_file.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/files/hdf5_file.h"
 #include "tests/matrix/temporary_folder.h"
 
 namespace vismat {

@@ -1,13 +1,13 @@
 // The producers that prove what is hidden and what is seen.
-#include "visibility/see.h"
+#include "visibility/producers/see.h"
 
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
 
 #include "matrix/loss.h"
-#include "visibility/cells/cell_points.h"
-#include "visibility/made/city.h"
+#include "visibility/generators/city.h"
+#include "visibility/geometry/cell_points.h"
 #include "visibility/rays/ray_caster.h"
 
 namespace vismat {

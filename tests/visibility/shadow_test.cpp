@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "visibility/rays/ray_caster.h"
 #include "visibility/shadows/shadow_buffer.h"
 #include "visibility/view_cells.h"

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "matrix/parallel.h"
+#include "matrix/base/parallel.h"
 #include "visibility/rays/ray_caster.h"
 
 namespace vismat {

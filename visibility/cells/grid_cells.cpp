@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "matrix/touching_boxes.h"
-#include "visibility/z_order.h"
+#include "matrix/base/z_order.h"
+#include "visibility/geometry/touching_boxes.h"
 
 namespace vismat {
 

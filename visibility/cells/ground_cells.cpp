@@ -21,10 +21,10 @@
 #include <tuple>
 #include <utility>
 
-#include "matrix/parallel.h"
+#include "matrix/base/parallel.h"
+#include "matrix/base/z_order.h"
 #include "visibility/cells/ground_triangles.h"
 #include "visibility/rays/ray_caster.h"
-#include "visibility/z_order.h"
 
 namespace vismat {
 namespace {

@@ -11,8 +11,8 @@
 #include <tuple>
 #include <utility>
 
-#include "matrix/touching_boxes.h"
-#include "visibility/z_order.h"
+#include "matrix/base/z_order.h"
+#include "visibility/geometry/touching_boxes.h"
 
 namespace vismat {
 namespace {

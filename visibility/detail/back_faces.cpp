@@ -52,7 +52,7 @@ bool all_behind(const dvec3& low, const dvec3& high, const dvec3& axis, double s
 }  // namespace
 
 bool is_closed_outward(const Mesh& mesh) {
-  const std::vector<Side> sides = sides_of(mesh);
+  const std::vector<MeshSide> sides = sides_of(mesh);
   for (std::size_t i = 0; i < sides.size();) {
     int balance = 0;
     std::size_t end = i;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "matrix/dataset.h"
-#include "visibility/mesh.h"
+#include "visibility/geometry/mesh.h"
 
 namespace vismat {
 

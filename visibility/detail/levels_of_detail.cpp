@@ -179,14 +179,14 @@ std::vector<Triangle> manifold(const Mesh& mesh, std::vector<std::uint32_t>& ver
     while (same[c] != c) c = same[c] = same[same[c]];
     return c;
   };
-  const auto corner_at = [&](const Side& side, unsigned end) {
+  const auto corner_at = [&](const MeshSide& side, unsigned end) {
     const Triangle& t = mesh.triangles[side.triangle];
     for (std::uint32_t i = 0; i < 3; ++i) {
       if (t[i] == side.ends[end]) return 3 * side.triangle + i;
     }
     return 3 * side.triangle;
   };
-  const std::vector<Side> sides = sides_of(mesh);
+  const std::vector<MeshSide> sides = sides_of(mesh);
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t to = i;
     while (to < sides.size() && sides[to].ends == sides[i].ends) ++to;
@@ -300,7 +300,7 @@ LevelsOfDetail::LevelsOfDetail(const Scene& scene, const Screen& screen, unsigne
       scene.object_count, threads,
       [&](std::uint64_t i) {
         Object& object = objects_[i];
-        object.mesh = mesh_of(scene, triangles[i]);
+        object.mesh = mesh_of(scene.vertices, scene.indices, triangles[i]);
         object.bounds = bounds[i];
         object.levels = levels_of_detail(object.mesh);
         if (object.mesh.triangles.empty() || !is_closed_outward(object.mesh)) return;

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "matrix/parallel.h"
-#include "visibility/mesh.h"
+#include "matrix/base/parallel.h"
+#include "visibility/geometry/mesh.h"
 #include "visibility/scene.h"
 
 namespace vismat {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "visibility/exact/witness.h"
 #include "visibility/rays/aimed_rays.h"
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "matrix/base/parallel.h"
 #include "matrix/dataset.h"
-#include "matrix/parallel.h"
 #include "visibility/scene.h"
 #include "visibility/view_cells.h"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "visibility/convex.h"
+#include "visibility/geometry/convex.h"
 
 namespace vismat {
 

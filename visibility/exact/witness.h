@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "visibility/exact/predicates.h"
 #include "visibility/scene.h"
 #include "visibility/shadows/occluders.h"

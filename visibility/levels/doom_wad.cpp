@@ -12,7 +12,7 @@
 #include <optional>
 #include <utility>
 
-#include "visibility/levels/growing_box.h"
+#include "visibility/geometry/growing_box.h"
 #include "visibility/levels/level_tree.h"
 #include "visibility/levels/records.h"
 

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "matrix/byte_reader.h"
-#include "visibility/bounding_volume_tree.h"
+#include "matrix/base/byte_reader.h"
+#include "visibility/geometry/bounding_volume_tree.h"
 
 namespace vismat {
 

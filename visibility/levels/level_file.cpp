@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "matrix/atomic_file.h"
-#include "matrix/byte_reader.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
 #include "visibility/levels/doom_wad.h"
 #include "visibility/levels/pk3.h"
 #include "visibility/levels/quake3_bsp.h"

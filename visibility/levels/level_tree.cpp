@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 
 namespace vismat {
 

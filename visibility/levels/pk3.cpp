@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 
 namespace vismat {
 namespace {

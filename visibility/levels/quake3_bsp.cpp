@@ -22,7 +22,7 @@
 #include <utility>
 #include <vector>
 
-#include "visibility/levels/growing_box.h"
+#include "visibility/geometry/growing_box.h"
 #include "visibility/levels/level_tree.h"
 #include "visibility/levels/records.h"
 

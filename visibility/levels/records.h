@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 
 namespace vismat {
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/meshes/mesh_file.h"
 #include "visibility/meshes/text.h"

@@ -16,8 +16,8 @@
 #include <string_view>
 #include <vector>
 
-#include "matrix/atomic_file.h"
-#include "matrix/byte_reader.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
 #include "visibility/meshes/ply.h"
 #include "visibility/meshes/polygons.h"
 #include "visibility/meshes/text.h"

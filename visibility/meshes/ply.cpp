@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 #include "visibility/meshes/polygons.h"
 #include "visibility/meshes/text.h"
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 
 namespace vismat {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "matrix/byte_reader.h"
+#include "matrix/base/byte_reader.h"
 
 namespace vismat {
 

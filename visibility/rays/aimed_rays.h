@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "matrix/random.h"
-#include "visibility/cells/cell_points.h"
+#include "matrix/base/random.h"
+#include "visibility/geometry/cell_points.h"
 #include "visibility/rays/ray_caster.h"
 #include "visibility/scene.h"
 #include "visibility/sight.h"

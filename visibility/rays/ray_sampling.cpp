@@ -26,7 +26,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "matrix/random.h"
+#include "matrix/base/random.h"
 #include "visibility/rays/ray_caster.h"
 
 namespace vismat {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "matrix/parallel.h"
+#include "matrix/base/parallel.h"
 #include "visibility/scene.h"
 #include "visibility/view_cells.h"
 

@@ -17,8 +17,8 @@
 #include <utility>
 
 #include "matrix/object_tree.h"
-#include "matrix/touching_boxes.h"
-#include "visibility/bounding_volume_tree.h"
+#include "visibility/geometry/bounding_volume_tree.h"
+#include "visibility/geometry/touching_boxes.h"
 #include "visibility/rays/seen_along.h"
 
 namespace vismat {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "visibility/crew/crew.h"
+#include "visibility/jobs/crew.h"
 #include "visibility/rays/aimed_rays.h"
 #include "visibility/sight.h"
 #include "visibility/view_cells.h"

@@ -8,7 +8,8 @@
 
 namespace vismat {
 
-std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const Side> sides, double tolerance) {
+std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const MeshSide> sides,
+                                         double tolerance) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   const std::vector<std::array<Neighbour, 3>> neighbours = neighbours_of(mesh, sides);
   std::vector<glm::dvec3> normals(count);  // as long as twice the area

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "visibility/mesh.h"
+#include "visibility/geometry/mesh.h"
 
 namespace vismat {
 
@@ -24,6 +24,6 @@ struct CoplanarFace {
 /// Each triangle is in one face. A face grows from the largest triangle left over sides of which just two triangles are, as
 /// long as corners lie within `tolerance` of that triangle's plane; triangles that run along a side in the same direction
 /// are turned over. Deterministic. O(n log n).
-std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const Side> sides, double tolerance);
+std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const MeshSide> sides, double tolerance);
 
 }  // namespace vismat

@@ -3,7 +3,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "visibility/mesh.h"
+#include "visibility/geometry/mesh.h"
 
 namespace vismat {
 

@@ -25,7 +25,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "matrix/parallel.h"
+#include "matrix/base/parallel.h"
 #include "visibility/shadows/coplanar.h"
 #include "visibility/shadows/inner_boxes.h"
 
@@ -529,7 +529,7 @@ void append(Mesh& mesh, const Mesh& other) {
 /// Whether as many triangles run along each side one way as the other, once the part is closed where it is open on the lowest
 /// plane, through which no sight line enters.
 bool close_on_ground(Mesh& part, double ground) {
-  const std::vector<Side> sides = sides_of(part);
+  const std::vector<MeshSide> sides = sides_of(part);
   std::vector<Triangle> cap;  // a cone over the open sides
   for (std::size_t i = 0; i < sides.size();) {
     int balance = 0;
@@ -552,7 +552,7 @@ void make_occluders(Maker& maker, const Mesh& mesh) {
   maker.size = largest(bounds.high - bounds.low);
   maker.magnitude = std::max(largest(bounds.high), largest(bounds.low));
 
-  const std::vector<Side> sides = sides_of(mesh);
+  const std::vector<MeshSide> sides = sides_of(mesh);
   const std::vector<std::uint32_t> part_of_triangle = parts_by_sides(mesh, sides);
   std::vector<std::vector<std::uint32_t>> parts(
       *std::max_element(part_of_triangle.begin(), part_of_triangle.end()) + 1u);
@@ -618,7 +618,7 @@ std::vector<Occluder> find_occluders(const Scene& scene, const OccluderOptions& 
                                                    begin[object + 1] - begin[object]);
     if (!is_finite(scene, triangles)) return;
     Maker maker{options, ground, depth, static_cast<std::uint32_t>(object)};
-    make_occluders(maker, mesh_of(scene, triangles));
+    make_occluders(maker, mesh_of(scene.vertices, scene.indices, triangles));
     made[object] = std::move(maker.made);
   });
   std::vector<Occluder> all;

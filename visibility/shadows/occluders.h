@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "visibility/convex.h"
-#include "visibility/mesh.h"
+#include "visibility/geometry/convex.h"
+#include "visibility/geometry/mesh.h"
 #include "visibility/scene.h"
 
 namespace vismat {

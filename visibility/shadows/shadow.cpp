@@ -21,7 +21,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "visibility/bounding_volume_tree.h"
+#include "visibility/geometry/bounding_volume_tree.h"
 #include "visibility/shadows/shadow_buffer.h"
 
 namespace vismat {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "visibility/convex.h"
+#include "visibility/geometry/convex.h"
 #include "visibility/shadows/supporting_planes.h"
 
 namespace vismat {

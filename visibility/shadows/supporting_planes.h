@@ -3,7 +3,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "visibility/convex.h"
+#include "visibility/geometry/convex.h"
 
 namespace vismat {
 

@@ -1,0 +1,153 @@
+// Where the parts of a payload lie: an ascending list of places, any of which is read alone, in about 2.1 + log2(payload bytes /
+// parts) bits each [Elias 1974, Fano 1971]. A payload is a model, often empty, and behind it its parts.
+//
+//   varint    n, how many parts; nothing follows if there are none, or all are equally long and there is no model
+//
+// and otherwise the n + 1 places where the parts begin and the last ends, which is u, the payload's bytes:
+//
+//   samples   of the places 256, 512, ...: where the place's bit stands in `high`; 4 bytes each, 8 if `high` has 2^32 bits or more
+//   high      n + 1 + (u >> b) bits: for place i, which is s, bit (s >> b) + i is 1
+//   low       (n + 1) b bits: the b lowest bits of each s
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "codecs/entropy/bit_stream.h"
+#include "matrix/base/byte_reader.h"
+
+namespace vismat {
+
+/// Parts begin at `starts`, ascending, and the last ends with the payload.
+std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t> starts, std::uint64_t payload_bytes);
+
+/// Reads single places out of borrowed bytes, whatever these hold: a result may be wrong where the bytes are, but none lies
+/// outside the payload and no read outside the bytes.
+class PartIndex {
+ public:
+  PartIndex() = default;
+  /// Reads the first few bytes alone, after touch(those). Throws FormatError unless there are exactly as many bytes as the parts take.
+  template <typename Touch>
+  PartIndex(std::span<const std::byte> index, std::uint64_t payload_bytes, const Touch& touch)
+      : payload_bytes_(payload_bytes) {
+    open(touch(index.first(std::min<std::size_t>(index.size(), 10))), index);
+  }
+  /// Throws FormatError unless these are the very bytes that part_index_bytes gives for some places. O(parts).
+  void check_whole() const;
+
+  std::uint64_t parts() const { return parts_; }
+  struct Place {
+    std::uint64_t begin, end;
+  };
+  /// Of part i < parts(). touch(bytes) is told of the index's bytes before they are read.
+  template <typename Touch>
+  Place part(std::uint64_t i, const Touch& touch) const {
+    if (equal_bytes_) return {i * *equal_bytes_, (i + 1) * *equal_bytes_};
+    const std::uint64_t at = i < sample_step ? 0 : sample(i / sample_step - 1, touch);
+    Words words{high_, at / 64};
+    std::uint64_t bits = words.first(touch) & ~std::uint64_t{0} << (at % 64);
+    std::uint64_t skip = i % sample_step, ones = ones_up_to_bytes(bits);
+    for (; ones >> 56 <= skip; ones = ones_up_to_bytes(bits)) {
+      skip -= ones >> 56;
+      bits = words.next(touch);
+    }
+    bits = from_one(bits, ones, skip);
+    const std::uint64_t first = words.place(bits);
+    bits &= bits - 1;
+    while (bits == 0) bits = words.next(touch);
+    const std::uint64_t begin = number(first, i, touch), end = number(words.place(bits), i + 1, touch);
+    if (begin > end || end > payload_bytes_) [[unlikely]]
+      refuse();
+    return {begin, end};
+  }
+  template <typename Touch>
+  std::uint64_t model_bytes(const Touch& touch) const {
+    if (equal_bytes_) return parts_ == 0 ? payload_bytes_ : 0;
+    return part(0, touch).begin;
+  }
+
+ private:
+  static constexpr std::uint64_t sample_step = 256;
+  friend std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t>, std::uint64_t);
+  struct Layout {
+    Layout(std::uint64_t parts, std::uint64_t payload_bytes);
+    unsigned low_bits;
+    std::uint64_t samples, sample_bytes, high_bits, low_bytes;
+    std::uint64_t bytes() const { return samples * sample_bytes + (high_bits + 7) / 8 + low_bytes; }
+  };
+  void open(std::span<const std::byte> head, std::span<const std::byte> index);
+  [[noreturn]] static void refuse() { throw FormatError("the index of the parts is damaged"); }
+
+  // In byte b, how many ones bytes 0 to b have: std::popcount alone would be a call where no newer processor is asked for.
+  static std::uint64_t ones_up_to_bytes(std::uint64_t word) {
+    word -= word >> 1 & 0x5555555555555555;
+    word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
+    return ((word + (word >> 4)) & 0x0f0f0f0f0f0f0f0f) * 0x0101010101010101;
+  }
+  // The word without its first `skip` ones, of which it has more: whole bytes at a time [Vigna 2008, broadword selection].
+  static std::uint64_t from_one(std::uint64_t word, std::uint64_t ones, std::uint64_t skip) {
+    constexpr std::uint64_t lowest = 0x0101010101010101, highest = 0x8080808080808080;
+    const std::uint64_t passed =
+        ((skip * lowest | highest) - ones) & highest;  // bytes up to which there are no more than `skip`
+    const auto bytes = static_cast<unsigned>((passed >> 7) * lowest >> 56);
+    skip -= (ones << 8) >> (8 * bytes) & 0xff;
+    word = word >> (8 * bytes) << (8 * bytes);
+    for (; skip > 0; --skip) word &= word - 1;
+    return word;
+  }
+  template <typename Touch>
+  std::uint64_t sample(std::uint64_t i, const Touch& touch) const {
+    const auto bytes = touch(samples_.subspan(i * sample_bytes_, sample_bytes_));
+    std::uint64_t place = 0;
+    std::memcpy(&place, bytes.data(), bytes.size());
+    return place;
+  }
+  // `high` word by word; told of eight at a time, zeros behind the last bit.
+  struct Words {
+    std::span<const std::byte> high;
+    std::uint64_t index;
+    template <typename Touch>
+    std::uint64_t first(const Touch& touch) {
+      if (index >= (high.size() + 7) / 8) [[unlikely]]
+        refuse();
+      touch(high.subspan(8 * index, std::min(8 * (8 - index % 8), high.size() - 8 * index)));
+      return word();
+    }
+    template <typename Touch>
+    std::uint64_t next(const Touch& touch) {
+      ++index;
+      return index % 8 == 0 ? first(touch) : word();
+    }
+    std::uint64_t place(std::uint64_t bits) const {
+      return 64 * index + static_cast<std::uint64_t>(std::countr_zero(bits));
+    }
+
+   private:
+    std::uint64_t word() const { return 8 * index < high.size() ? word_at(high, 8 * index) : 0; }
+  };
+  template <typename Touch>
+  std::uint64_t number(std::uint64_t place, std::uint64_t i, const Touch& touch) const {
+    const std::uint64_t upper = (place - i) << low_bits_;
+    if (low_bits_ == 0) return upper;
+    const std::uint64_t bit = i * low_bits_, byte = bit / 8, last = (bit + low_bits_ - 1) / 8;
+    const auto bytes = touch(low_.subspan(byte, last - byte + 1));
+    const auto shift = static_cast<unsigned>(bit % 8);
+    std::uint64_t word = word_at(bytes, 0) >> shift;
+    if (bytes.size() > 8) word |= std::to_integer<std::uint64_t>(bytes[8]) << (64 - shift);
+    return upper | (word & ((std::uint64_t{1} << low_bits_) - 1));
+  }
+
+  std::uint64_t parts_ = 0, payload_bytes_ = 0;
+  std::optional<std::uint64_t> equal_bytes_ = 0;
+  unsigned low_bits_ = 0;
+  std::uint64_t sample_bytes_ = 0;
+  std::span<const std::byte> index_, samples_, high_, low_;
+};
+
+}  // namespace vismat

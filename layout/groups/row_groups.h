@@ -1,0 +1,72 @@
+// Rows that are being merged: their unions, and what merging two more would lose.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "layout/groups/grouping.h"
+#include "matrix/bit_rows.h"
+#include "matrix/partition.h"
+
+namespace vismat {
+
+/// Equal rows are one kind and never part. At first each kind is a group; groups keep their numbers as others join them.
+/// Memory: rows * columns / 8 bytes and 64 a row.
+class RowGroups {
+ public:
+  RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& options);
+
+  static constexpr std::uint32_t none = 0xffffffff;
+  static constexpr std::uint64_t unbounded = ~std::uint64_t{0};
+  struct Pair {
+    std::uint64_t score = unbounded;
+    std::uint32_t partner = none;
+  };
+
+  /// Ascending at first, then in no order.
+  std::span<const std::uint32_t> alive() const { return alive_; }
+  bool is_alive(std::uint32_t group) const { return place_[group] != none; }
+  /// Occlusions that are lost so far.
+  std::uint64_t lost() const { return lost_; }
+  /// Occlusions that merging the two would lose: rows of a times what b has alone, and the other way round [Zach & Karner
+  /// 2003, 4.1]; unbounded where that is above `limit`, or where some row or column would lose more than it may.
+  std::uint64_t score(std::uint32_t a, std::uint32_t b, std::uint64_t limit = unbounded) const;
+  /// The group of the least score with this one; of equal ones the least number. Only groups whose sizes are near enough are
+  /// looked at [Zach & Karner 2003, 4.1]; before them those of rows that stand near, as rows that stand near are often
+  /// alike and a low score soon rules the others out.
+  Pair best_partner(std::uint32_t group) const;
+  /// The second becomes part of the first. Their score must be bounded.
+  void merge(std::uint32_t into, std::uint32_t from);
+  /// Moves each kind in turn, where that regains occlusions, to the group where it regains most. Returns how many in all.
+  /// O(kinds * groups * columns / 64) word operations at worst. Memory: groups * columns * 4 bytes meanwhile.
+  std::uint64_t exchange();
+  /// Groups in the order of their first members.
+  Partition partition() const;
+
+ private:
+  struct Lost;
+  bool has_room(std::span<const std::uint64_t> a, std::uint64_t in_a, std::span<const std::uint64_t> b,
+                std::uint64_t in_b) const;
+  void take_room(std::span<const std::uint64_t> a, std::uint64_t in_a, std::span<const std::uint64_t> b,
+                 std::uint64_t in_b);
+  void set_size(std::uint32_t group, std::uint32_t size);
+  void fold(std::uint32_t group);
+
+  Partition kind_of_row_;
+  VisibilityMatrix kinds_;                                  // a row each
+  std::vector<std::uint32_t> rows_of_kind_, most_of_kind_;  // ones that its group's union may have
+  std::vector<std::uint32_t> group_of_kind_;
+  std::vector<std::uint32_t> room_;  // zeros that each column may still lose; empty: any
+  std::uint64_t lost_ = 0;
+
+  // By group.
+  BitRows union_,
+      folded_;  // folded: the union's words by exclusive or in a cache line, no further apart than unions are
+  std::vector<std::uint32_t> size_, rows_, most_;  // the union's ones; rows; the least most_of_kind_
+  std::vector<std::vector<std::uint32_t>> members_;
+  std::vector<std::uint32_t> alive_, place_;
+  std::vector<std::vector<std::uint32_t>> of_size_;  // groups by their unions' sizes
+  std::vector<std::uint32_t> place_in_size_;
+};
+
+}  // namespace vismat

@@ -1,0 +1,63 @@
+// The distinct columns of a matrix as sparse points of a Hamming space: for matrices too large for
+// ColumnPoints.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "matrix/base/scratch_ids.h"
+#include "matrix/permutation.h"
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+/// Equal columns are one point, and columns without a one are none: an order loses nothing by keeping them
+/// together. Unless told not to collapse them: then point c is column c. Point size() is the all-zero vector,
+/// as in ColumnPoints. Memory: the matrix once more, transposed, and 12 bytes a column. O(ones) to make.
+class SparsePoints {
+ public:
+  explicit SparsePoints(const VisibilityMatrix& matrix, bool collapse = true);
+  /// Out of core: the ones in a temporary file in `folder`, written by way of about `buffer_bytes` in one scan of the matrix for
+  /// each buffer full. Throws std::runtime_error where there is no room.
+  SparsePoints(const VisibilityMatrix& matrix, const std::filesystem::path& folder,
+               std::uint64_t buffer_bytes);
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(column_of_point_.size()); }
+  std::uint32_t rows() const { return shape_.rows; }
+  std::uint32_t zero() const { return size(); }
+  /// The ones of a point, ascending.
+  std::span<const std::uint32_t> ones(std::uint32_t point) const {
+    if (point == zero()) return {};
+    return of_column(column_of_point_[point]);
+  }
+  std::uint32_t weight(std::uint32_t point) const { return static_cast<std::uint32_t>(ones(point).size()); }
+  /// By merging: O(weight(a) + weight(b)).
+  std::uint32_t distance(std::uint32_t a, std::uint32_t b) const;
+  /// The first column equal to a point.
+  std::uint32_t column(std::uint32_t point) const { return column_of_point_[point]; }
+  /// A visiting order of all points but zero() as one of all columns; empty columns come last.
+  Permutation order_of_columns(std::span<const std::uint32_t> points) const;
+  /// The points as an order of all columns comes by the first column of each.
+  std::vector<std::uint32_t> visits_of_order(const Permutation& order) const;
+
+ private:
+  void find_points();
+  std::span<const std::uint32_t> of_column(std::uint32_t column) const {
+    if (offsets_.empty()) return in_memory_.row(column);
+    return on_disk_.ids().subspan(offsets_[column], offsets_[column + 1] - offsets_[column]);
+  }
+  Shape shape_;
+  VisibilityMatrix in_memory_;  // the matrix transposed, or else
+  ScratchIds on_disk_;          // the ids of that
+  std::vector<std::uint64_t> offsets_;
+  std::vector<std::uint32_t> column_of_point_;
+  std::vector<std::uint32_t> twin_;  // of a column: the next one equal to it, or `none`
+  std::vector<std::uint32_t> empty_;
+};
+
+/// Runs of the matrix when its points are visited in this order: half the tour from zero() and back to it.
+std::uint64_t runs_of_visits(const SparsePoints& points, std::span<const std::uint32_t> visits,
+                             unsigned threads = 0);
+
+}  // namespace vismat

@@ -1,0 +1,21 @@
+// Closed tours through points and the zero point, and the orders that they are when cut open there.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "layout/points/column_points.h"
+#include "matrix/permutation.h"
+
+namespace vismat {
+
+/// Each point of [0, size] once, the zero point (number size) among them.
+using Tour = std::vector<std::uint32_t>;
+
+std::uint64_t tour_length(const ColumnPoints& points, const Tour& tour);
+/// The points from the zero point around to it again, without it.
+std::vector<std::uint32_t> visits_of_tour(Tour tour);
+/// The same as an order of columns, where each is a point.
+Permutation order_of_tour(const Tour& tour);
+Tour tour_of_order(const Permutation& order);
+
+}  // namespace vismat

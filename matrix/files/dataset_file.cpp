@@ -1,0 +1,66 @@
+#include "matrix/files/dataset_file.h"
+
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "matrix/base/atomic_file.h"
+#include "matrix/base/byte_reader.h"
+#include "matrix/files/binsparse.h"
+#include "matrix/files/hdf5_file.h"
+#include "matrix/files/matrix_market.h"
+
+namespace vismat {
+namespace {
+
+Dataset read_market_file(const std::filesystem::path& path) {
+  const std::vector<std::byte> text = read_file(path);
+  constexpr std::string_view mark = "%%MatrixMarket";
+  if (!std::string_view(reinterpret_cast<const char*>(text.data()), text.size()).starts_with(mark)) {
+    throw FormatError("is neither a Binsparse file (.bsp.h5) nor a Matrix Market file (.mtx)");
+  }
+  return read_matrix_market(text);
+}
+
+}  // namespace
+
+Dataset read_dataset(const std::filesystem::path& path) {
+  try {
+    return is_hdf5(path) ? read_binsparse(Hdf5File::open(path)) : read_market_file(path);
+  } catch (const FormatError& error) {
+    throw FormatError(path.string() + ": " + error.what());
+  }
+}
+
+void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
+  const std::string name = path.filename().string();
+  if (name.ends_with(".mtx")) {
+    AtomicFile file(path);
+    std::ofstream out(file.partial_path(), std::ios::binary);
+    write_matrix_market(out, dataset);
+    out.close();
+    if (!out) throw std::runtime_error(path.string() + ": cannot be written; is the disk full?");
+    return file.commit();
+  }
+  if (!name.ends_with(".h5") && !name.ends_with(".hdf5")) {
+    throw std::invalid_argument(path.string() + ": a matrix is written as .bsp.h5, .h5, .hdf5 or .mtx");
+  }
+  try {
+    check_source_map(dataset.source, dataset.matrix.shape());
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(path.string() + ": would not be read again: " + error.what());
+  }
+  AtomicFile partial(path);
+  try {
+    Hdf5File file = Hdf5File::create(partial.partial_path());
+    write_binsparse(file, dataset);
+    file.close();
+  } catch (const FormatError& error) {
+    throw std::runtime_error(path.string() + ": " + error.what());
+  }
+  partial.commit();
+}
+
+}  // namespace vismat

@@ -1,0 +1,47 @@
+// Convex solids and flat convex polygons: view cells, and what hides.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "matrix/box.h"
+
+namespace vismat {
+
+/// A closed convex polytope; flat ones have faces back to back. Which side of which face a point lies on, and which edges
+/// are seen as the outline, follow from the faces' planes and the edges' two faces alone, so flat ones need no special case.
+struct Convex {
+  struct Face {
+    glm::dvec3 normal{};                 // unit length, outward
+    double offset = 0;                   // inside: dot(normal, x) <= offset
+    std::vector<std::uint16_t> corners;  // counter-clockwise, seen from outside
+  };
+  struct Edge {
+    std::array<std::uint16_t, 2> ends{}, faces{};  // ends in the order in which faces[0] has them
+  };
+  std::vector<glm::dvec3> vertices;
+  std::vector<Face> faces;
+  std::vector<Edge> edges;
+};
+
+/// 8 vertices, 6 faces, 12 edges, however flat the box.
+Convex convex_box(const Box& box);
+/// Over the triangle `ground`, from `low` to `high` above it: 6 vertices, 5 faces, 9 edges. The triangle may slope.
+Convex convex_prism(const std::array<glm::vec3, 3>& ground, float low, float high);
+/// A flat convex polygon, corners in order round it; two faces. `normal` belongs to the side from which they run
+/// counter-clockwise.
+Convex convex_polygon(std::span<const glm::dvec3> corners, const glm::dvec3& normal);
+/// The same polygon as a view cell: a plate without thickness whose rim has faces of its own, so that what stands beside it
+/// sees an outline too.
+Convex convex_plate(std::span<const glm::dvec3> corners, const glm::dvec3& normal);
+/// From vertices and the faces' corners, counter-clockwise from outside; planes are Newell's, moved outward until no vertex
+/// lies beyond them. Throws std::invalid_argument unless each edge has two faces that run along it in opposite directions.
+Convex convex_from_faces(std::vector<glm::dvec3> vertices,
+                         std::vector<std::vector<std::uint16_t>> corners_of_face);
+
+/// The greatest signed distance of a vertex from a plane dot(normal, x) = offset.
+double farthest_beyond(std::span<const glm::dvec3> vertices, const glm::dvec3& normal, double offset);
+
+}  // namespace vismat

@@ -1,0 +1,67 @@
+// Finished pieces of work in a file beside the output: what a killed run leaves to the next.
+#pragma once
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "visibility/jobs/crew.h"
+
+namespace vismat {
+
+/// A file of pieces, appended as they are done. Whatever ends the run (kill -9, a full disk), the next one finds all
+/// pieces that were stored; a torn last one is cut off. One process at a time.
+class Journal : public PieceStore {
+ public:
+  /// Begins the file, or goes on with it. `work` tells in words all that the pieces depend on: inputs with their
+  /// checksums, options. Throws std::invalid_argument if the file holds other work or another process has it open,
+  /// FormatError if it is no journal, std::runtime_error if it cannot be written; the file then stays as it is.
+  Journal(std::filesystem::path path, const std::string& work);
+  ~Journal() override;
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  /// Throws std::logic_error where a stage is asked for twice: its pieces would be taken for one another's.
+  std::vector<std::uint64_t> restore(const std::string& stage, std::vector<Crew::Piece>& pieces) override;
+  /// Throws std::runtime_error if the disk is full; what was stored before stays good.
+  void store(const std::string& stage, std::uint64_t number, const Crew::Piece& piece) override;
+  /// How many pieces earlier runs left.
+  std::uint64_t found() const { return found_; }
+  /// The work is done and written elsewhere: the file goes.
+  void remove();
+
+ private:
+  void begin_or_read(const std::string& work);
+  void append(std::span<const std::byte> bytes);
+  void close();
+
+  std::filesystem::path path_;
+  int file_ = -1;
+  std::uint64_t end_ = 0, found_ = 0;
+  std::span<const std::byte> mapped_;  // what earlier runs left
+  std::map<std::string, std::vector<std::pair<std::uint64_t, std::span<const std::byte>>>, std::less<>> left_;
+  std::set<std::string> begun_;
+  std::mutex mutex_;  // guards the file and end_
+};
+
+/// A journal's bytes. Whole records from the start count; what follows the first that is torn or damaged does not.
+struct JournalContents {
+  struct Record {
+    std::string_view stage;
+    std::uint64_t number = 0;
+    std::span<const std::byte> piece;
+  };
+  std::string_view work;
+  std::vector<Record> records;  // all borrow from the bytes
+  std::size_t end = 0;          // of the last whole record
+};
+/// Throws FormatError unless the bytes begin with a journal's head.
+JournalContents read_journal(std::span<const std::byte> bytes);
+std::vector<std::byte> journal_head(std::string_view work);
+std::vector<std::byte> journal_record(const JournalContents::Record& record);
+
+}  // namespace vismat
