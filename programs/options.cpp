@@ -1,0 +1,216 @@
+#include "programs/options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <optional>
+#include <sstream>
+
+namespace vismat {
+namespace {
+
+constexpr std::size_t help_indent = 34, help_width = 110;
+const std::string example_mark = "Example: ";
+
+/// Lines of at most `width` characters, broken at blanks; those that begin with blanks go on indented as far.
+std::string wrapped(const std::string& text, std::size_t width) {
+  std::istringstream lines(text);
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    if (!result.empty()) result += '\n';
+    const std::string indent(std::min(line.find_first_not_of(' '), line.size()), ' ');
+    while (line.size() > width) {
+      const std::size_t blank = line.rfind(' ', width);
+      if (blank == std::string::npos || blank <= indent.size()) break;
+      result += line.substr(0, blank) + '\n';
+      line = indent + line.substr(blank + 1);
+    }
+    result += line;
+  }
+  return result;
+}
+
+std::string help_text(const std::string& help) {
+  return wrapped(help, help_width - help_indent);
+}
+
+void add_note(CLI::App& app, const std::string& text) {
+  const std::string before = app.get_footer();
+  app.footer(before + (before.empty() ? "" : "\n") + wrapped(text, help_width));
+}
+
+void add_example(CLI::App& app, const std::string& command) {
+  const std::string before = app.get_footer();
+  const bool first = before.find(example_mark) == std::string::npos;
+  app.footer(before + (before.empty() ? "" : "\n") +
+             (first ? example_mark : std::string(example_mark.size(), ' ')) + command);
+}
+
+template <typename Value>
+bool has_default(const Value& value) {
+  if constexpr (requires { value.empty(); }) return !value.empty();
+  if constexpr (requires { value.has_value(); }) return value.has_value();
+  return true;
+}
+
+}  // namespace
+
+Option Option::required() const {
+  option_->required();
+  return *this;
+}
+
+Option Option::one_of(std::initializer_list<const char*> words) const {
+  option_->check(CLI::IsMember(std::vector<std::string>(words.begin(), words.end())));
+  return *this;
+}
+
+Option Option::between(int low, int high) const {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+Option Option::between(unsigned low, unsigned high) const {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+Option Option::between(double low, double high) const {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+Option Option::positive() const {
+  option_->check(CLI::PositiveNumber);
+  return *this;
+}
+
+Option Option::not_negative() const {
+  option_->check(CLI::NonNegativeNumber);
+  return *this;
+}
+
+Option Option::size_in_bytes() const {
+  option_->transform(CLI::AsSizeValue(false));
+  return *this;
+}
+
+Option Option::comma_separated() const {
+  option_->delimiter(',')->allow_extra_args(false);
+  return *this;
+}
+
+Option Option::repeatable() const {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+Option Option::excludes(Option other) const {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+Option Option::needs(Option other) const {
+  option_->needs(other.option_);
+  return *this;
+}
+
+template <typename Value>
+Option Verb::option(const std::string& name, Value& value, const std::string& help) const {
+  CLI::Option* option = app_->add_option(name, value, help_text(help));
+  if (has_default(value)) option->capture_default_str();
+  return Option(option);
+}
+
+template Option Verb::option(const std::string&, std::string&, const std::string&) const;
+template Option Verb::option(const std::string&, std::filesystem::path&, const std::string&) const;
+template Option Verb::option(const std::string&, int&, const std::string&) const;
+template Option Verb::option(const std::string&, std::uint32_t&, const std::string&) const;
+template Option Verb::option(const std::string&, std::uint64_t&, const std::string&) const;
+template Option Verb::option(const std::string&, float&, const std::string&) const;
+template Option Verb::option(const std::string&, double&, const std::string&) const;
+template Option Verb::option(const std::string&, std::optional<std::uint32_t>&, const std::string&) const;
+template Option Verb::option(const std::string&, std::optional<std::uint64_t>&, const std::string&) const;
+template Option Verb::option(const std::string&, std::optional<double>&, const std::string&) const;
+template Option Verb::option(const std::string&, std::vector<std::string>&, const std::string&) const;
+template Option Verb::option(const std::string&, std::vector<std::filesystem::path>&,
+                             const std::string&) const;
+template Option Verb::option(const std::string&, std::vector<std::uint32_t>&, const std::string&) const;
+template Option Verb::option(const std::string&, std::vector<std::uint64_t>&, const std::string&) const;
+template Option Verb::option(const std::string&, std::vector<double>&, const std::string&) const;
+
+Option Verb::flag(const std::string& name, bool& value, const std::string& help) const {
+  return Option(app_->add_flag(name, value, help_text(help)));
+}
+
+Option Verb::threads(unsigned& value) const {
+  return option("--threads", value, "0: one a core; the result is the same for any number");
+}
+
+Verb Verb::note(const std::string& text) const {
+  add_note(*app_, text);
+  return *this;
+}
+
+Verb Verb::example(const std::string& command) const {
+  add_example(*app_, command);
+  return *this;
+}
+
+void Verb::runs(std::function<void()> work) const {
+  app_->callback(std::move(work));
+}
+
+void Verb::runs_with_rest(std::function<void(const std::vector<std::string>&)> work) const {
+  app_->prefix_command();
+  app_->callback([app = app_, work = std::move(work)] { work(app->remaining()); });
+}
+
+Program::Program(const std::string& name, const std::string& what, const std::string& version)
+    : name_(name), app_(std::make_unique<CLI::App>(wrapped(what, help_width), name)) {
+  if (!version.empty()) app_->set_version_flag("--version", version);
+  app_->require_subcommand(1);
+  app_->get_formatter()->column_width(help_indent);
+  app_->get_formatter()->label("SUBCOMMAND", "VERB");
+}
+
+Program::~Program() = default;
+
+Verb Program::verb(const std::string& name, const std::string& what) {
+  CLI::App* app = app_->add_subcommand(name, what);
+  app->group("Verbs")->footer("");
+  return Verb(app);
+}
+
+Program& Program::note(const std::string& text) {
+  add_note(*app_, text);
+  return *this;
+}
+
+Program& Program::example(const std::string& command) {
+  add_example(*app_, command);
+  return *this;
+}
+
+int Program::run(int argc, char** argv) {
+  const auto fail = [&](const char* why) {
+    std::fprintf(stderr, "%s: %s\n", name_.c_str(), why);
+    return 1;
+  };
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app_->exit(help);
+  } catch (const std::bad_alloc&) {
+    return fail("not enough memory");
+  } catch (const std::exception& error) {
+    return fail(error.what());
+  }
+  return 0;
+}
+
+}  // namespace vismat

@@ -1,0 +1,87 @@
+// The command line of a program with verbs: each verb's options, its help with examples, and what it runs.
+#pragma once
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace vismat {
+
+/// What a value must be. Borrows from its Program, as does Verb; both may be copied.
+class Option {
+ public:
+  Option required() const;
+  Option one_of(std::initializer_list<const char*> words) const;
+  Option between(int low, int high) const;  // the bounds have the value's type; help and errors name them
+  Option between(unsigned low, unsigned high) const;
+  Option between(double low, double high) const;
+  Option positive() const;
+  Option not_negative() const;
+  Option size_in_bytes() const;    // 12G is 12 * 2^30
+  Option comma_separated() const;  // a list: --orders natural,best; else --orders natural best
+  Option repeatable() const;       // a list: --from 1,2,3 --from 4,5,6
+  Option excludes(Option other) const;
+  Option needs(Option other) const;
+
+ private:
+  friend class Verb;
+  explicit Option(CLI::Option* option) : option_(option) {}
+  CLI::Option* option_;
+};
+
+class Verb {
+ public:
+  /// A name that begins with '-' makes an option, as "-o,--output"; any other a positional argument. Help shows the value as it
+  /// is now as the default, but for empty text, lists and optionals. `value` must live until Program::run ends, so keep it in
+  /// what `runs` captures. Value: text, a path, int, unsigned, size_t, float, double; an optional or a vector of one; see options.cpp.
+  template <typename Value>
+  Option option(const std::string& name, Value& value, const std::string& help) const;
+  Option flag(const std::string& name, bool& value, const std::string& help) const;
+
+  /// -o,--output, which is required.
+  template <typename Value>
+  Option output(Value& value, const std::string& help) const {
+    return option("-o,--output", value, help).required();
+  }
+  /// --threads; 0 takes one a core.
+  Option threads(unsigned& value) const;
+
+  /// A paragraph below the options; line breaks in it stay, long lines are broken.
+  Verb note(const std::string& text) const;
+  /// A command line to copy, last in the help.
+  Verb example(const std::string& command) const;
+
+  void runs(std::function<void()> work) const;
+  /// Arguments that are not the verb's own go to `work`, which may parse them by other means.
+  void runs_with_rest(std::function<void(const std::vector<std::string>&)> work) const;
+
+ private:
+  friend class Program;
+  explicit Verb(CLI::App* app) : app_(app) {}
+  CLI::App* app_;
+};
+
+class Program {
+ public:
+  Program(const std::string& name, const std::string& what, const std::string& version = "");
+  ~Program();
+  Verb verb(const std::string& name, const std::string& what);
+  Program& note(const std::string& text);
+  Program& example(const std::string& command);
+
+  /// Parses, runs the verb that is named, and gives the exit code: 0, or 1 after one line on stderr that says what was wrong, be it
+  /// with the arguments or what the verb threw.
+  int run(int argc, char** argv);
+
+ private:
+  std::string name_;
+  std::unique_ptr<CLI::App> app_;
+};
+
+}  // namespace vismat
