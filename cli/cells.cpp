@@ -1,4 +1,4 @@
-// vismat cells: view cells for a scene.
+// vismat cells: makes view cells for a scene.
 #include <cstdio>
 #include <memory>
 #include <numeric>
@@ -8,6 +8,7 @@
 #include "cli/cells_options.h"
 #include "cli/verbs.h"
 #include "matrix/base/parallel.h"
+#include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/any_scene.h"
@@ -26,8 +27,8 @@ struct Arguments {
   unsigned threads = 0;
 };
 
-/// Triangles of the objects that rays find from each cell, a lower bound: all of them, or those that are drawn if there are
-/// levels of detail. Keeps what it is given.
+/// The number of triangles of the objects that rays find from each view cell, which is a lower bound: all of them, or those that are
+/// drawn if there are levels of detail. Keeps references to its arguments.
 VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const LevelsOfDetail* drawn,
                                const Arguments& arguments) {
   return [&, drawn, level = 0](const ViewCells& cells) mutable {
@@ -42,7 +43,7 @@ VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const 
         seen[cell].push_back(object.object);
     };
     parallel_for(cells.count(), arguments.threads, look,
-                 show_progress("looking around on level " + std::to_string(level++)));
+                 show_progress("casting rays on level " + std::to_string(level++)));
     if (drawn == nullptr)
       return triangles_of_rows(VisibilityMatrix::from_rows(seen, scene.object_count), scene);
     const std::vector<Box> boxes = cell_bounds(cells);
@@ -87,43 +88,41 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_cells_options(CLI::App& verb, CellsWords& words) {
-  verb.add_option("--cells", words.cells,
-                  "file: the scene's own; grid:SIZE or grid:X,Y,Z metres; ground, or ground:HEIGHT where the "
-                  "scene has none; octree:TRIANGLES[:LEVELS], refined while more triangles are visible")
-      ->capture_default_str();
-  verb.add_option("--region", words.region,
-                  "Where cells are: x,y,z,x,y,z, low corner and high (the scene's bounds)");
-  verb.add_option(
-          "--from", words.from,
-          "A point x,y,z from which viewers come; repeatable (default: from the sky, or the largest ground)")
-      ->allow_extra_args(false);
-  verb.add_option(
-      "--eyes", words.eyes,
-      "Viewers stand, eyes LOW[,HIGH] metres above the ground (default: they fly; on ground cells 1.6)");
+void add_cells_options(const Verb& verb, CellsWords& words) {
+  verb.option("--cells", words.cells,
+              "The view cells. file: those of the scene file; grid:SIZE or grid:X,Y,Z: boxes of that size in "
+              "metres; ground: triangles of the ground, or ground:HEIGHT where the scene has no ground; "
+              "octree:TRIANGLES[:LEVELS]: boxes that are divided while more triangles are visible from them");
+  verb.option(
+      "--region", words.region,
+      "Where view cells may be: x,y,z,x,y,z, the low corner and the high one (default: the scene's bounds)");
+  verb.option("--from", words.from,
+              "A point x,y,z from which viewers come; may be given several times (default: the sky, or the "
+              "largest piece of ground)")
+      .repeatable();
+  verb.option("--eyes", words.eyes,
+              "Viewers stand, with their eyes LOW[,HIGH] metres above the ground (default: 1.6 on ground "
+              "cells; elsewhere viewers fly)");
 }
 
-void add_cells(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand("cells", "Make view cells for a scene, wherever a viewer can be");
-  verb->footer(
-      "Example: vismat cells city.scene.h5 --cells grid:4,4,1.5 --region 0,0,1,640,640,2.5 -o grid.scene.h5");
-  verb->add_option("SCENE", arguments->scene,
-                   "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake-3 level")
-      ->required();
-  add_cells_options(*verb, arguments->cells);
-  verb->add_option("--resize", arguments->resize,
-                   "Each cell so many times as large about its middle: the same places, other cells")
-      ->capture_default_str();
-  verb->add_option("--rays", arguments->rays, "To count an octree's visible triangles, an object and cell")
-      ->check(CLI::Range(1u, 1000000u))
-      ->capture_default_str();
-  verb->add_flag("--drawn", arguments->drawn,
-                 "Count for an octree what is drawn: at levels of detail, without back faces");
-  verb->add_option("--threads", arguments->threads, "0: one a core; the result is the same for any number")
-      ->capture_default_str();
-  verb->add_option("-o,--output", arguments->output, "The scene file to write (.scene.h5)")->required();
-  verb->callback([arguments] { run(*arguments); });
+void add_cells(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
+  const Verb verb = program.verb("cells", "Make view cells for a scene, wherever a viewer can be");
+  verb.option("SCENE", arguments->scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
+      .required();
+  add_cells_options(verb, arguments->cells);
+  verb.option(
+      "--resize", arguments->resize,
+      "Multiply the size of each view cell by this, about its middle; the cells then overlap or leave gaps");
+  verb.option("--rays", arguments->rays,
+              "Number of rays for each object and view cell that count an octree's visible triangles")
+      .between(1, 1000000);
+  verb.flag("--drawn", arguments->drawn,
+            "Count for an octree the triangles that are drawn: at levels of detail and without back faces");
+  verb.threads(arguments->threads);
+  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.example("vismat cells city.scene.h5 --cells grid:4,4,1.5 --region 0,0,1,640,640,2.5 -o grid.scene.h5");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

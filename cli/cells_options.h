@@ -1,12 +1,11 @@
-// The options of verbs that make view cells.
+// The options of the verbs that make view cells.
 #pragma once
-#include <CLI/CLI.hpp>
-
+#include "programs/options.h"
 #include "visibility/cells/cells_choice.h"
 
 namespace vismat::cli {
 
-/// --cells, --region, --from and --eyes. `words` must outlive the verb's parsing.
-void add_cells_options(CLI::App& verb, CellsWords& words);
+/// --cells, --region, --from and --eyes. `words` must outlive the verb's run.
+void add_cells_options(const Verb& verb, CellsWords& words);
 
 }  // namespace vismat::cli

@@ -1,10 +1,11 @@
-// vismat city: a made-up city as a scene file.
+// vismat city: makes a city of boxes as a scene file.
 #include "visibility/generators/city.h"
 
 #include <cstdio>
 #include <memory>
 
 #include "cli/verbs.h"
+#include "programs/options.h"
 
 namespace vismat::cli {
 namespace {
@@ -23,31 +24,29 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_city(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+void add_city(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
   CityOptions& o = arguments->options;
-  CLI::App* verb =
-      app.add_subcommand("city", "Make a city of boxes: objects, their quadtree, and view cells");
-  verb->footer(
-      "The defaults are 'artificial 1' of Zach & Karner 2003; with --size 64, 'artificial 2'.\n"
-      "Example: vismat city --size 32 -o city32.scene.h5 && vismat see city32.scene.h5 --producer climbing "
-      "-o city32.bsp.h5");
-  const auto add = [&](const char* name, auto& value, const char* help) {
-    verb->add_option(name, value, help)->capture_default_str();
-  };
-  add("--size", o.size, "Boxes a side, a power of two");
-  add("--pitch", o.pitch, "Side of the square in which each box stands, metres");
-  add("--street", o.narrowest_street, "Least distance of two boxes, metres");
-  add("--smallest-side", o.smallest_side, "Of a box, metres");
-  add("--largest-side", o.largest_side, "Of a box, metres");
-  add("--lowest", o.lowest, "Height of the lowest box, metres");
-  add("--highest", o.highest, "Height of the highest box, metres");
-  add("--jitter", o.jitter, "0: each box in the middle of its square; 1: anywhere in it");
-  add("--eye-low", o.eye_low, "Least height of the viewer's eyes, metres");
-  add("--eye-high", o.eye_high, "Greatest height of the viewer's eyes, metres");
-  add("--seed", o.seed, "Another seed, another city");
-  verb->add_option("-o,--output", arguments->output, "The scene file to write (.scene.h5)")->required();
-  verb->callback([arguments] { run(*arguments); });
+  const Verb verb =
+      program.verb("city", "Make a city of boxes: a scene file with objects, their quadtree and view cells");
+  verb.option("--size", o.size, "Number of boxes along each side of the city, a power of two");
+  verb.option("--pitch", o.pitch, "Side of the square in which each box stands, in metres");
+  verb.option("--street", o.narrowest_street, "Least distance between two boxes, in metres");
+  verb.option("--smallest-side", o.smallest_side, "Shortest side of a box, in metres");
+  verb.option("--largest-side", o.largest_side, "Longest side of a box, in metres");
+  verb.option("--lowest", o.lowest, "Height of the lowest box, in metres");
+  verb.option("--highest", o.highest, "Height of the highest box, in metres");
+  verb.option("--jitter", o.jitter, "0: each box stands in the middle of its square; 1: anywhere in it");
+  verb.option("--eye-low", o.eye_low, "Least height of the viewer's eyes, in metres");
+  verb.option("--eye-high", o.eye_high, "Greatest height of the viewer's eyes, in metres");
+  verb.option("--seed", o.seed, "Another seed makes another city");
+  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.note(
+      "The defaults make 'artificial 1' of Zach & Karner 2003; with --size 64 they make 'artificial 2'.");
+  verb.example(
+      "vismat city --size 32 -o city32.scene.h5 && vismat see city32.scene.h5 --producer climbing -o "
+      "city32.bsp.h5");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

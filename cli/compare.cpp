@@ -1,4 +1,4 @@
-// compare: every codec on every matrix, in size and in speed.
+// vismat compare: measures every codec's size and speed on every matrix.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -23,6 +23,7 @@
 #include "layout/points/distinct_columns.h"
 #include "matrix/base/atomic_file.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/options.h"
 #include "programs/prepared_for.h"
 #include "programs/progress.h"
 
@@ -37,7 +38,7 @@ struct Options {
   std::filesystem::path csv;
 };
 
-// A matrix in one order, and what it takes to name that order.
+// A matrix in one order, and the bytes that it takes to store that order.
 struct Subject {
   std::string matrix, order;
   Dataset data;
@@ -155,7 +156,7 @@ Subject subject_of(const std::filesystem::path& file, const std::string& order, 
   return s;
 }
 
-// As the codec needs it, then in the order: of nodes the rows alone.
+// Prepared for the codec, then put in the order; where columns are nodes, only the rows are.
 Dataset prepared(const Subject& s, const Codec& codec) {
   Dataset data = prepared_for(codec, s.data, {.orders = false});
   if (codec.needs.tree != TreeOver::columns) return reordered(std::move(data), s.rows, s.columns);
@@ -180,7 +181,8 @@ void print_header(const Subject& s) {
               s.data.matrix.shape().rows, s.data.matrix.shape().columns, std::uintmax_t{s.data.matrix.ones()},
               std::uintmax_t{bitmap_size(s.data.matrix.shape())}, s.order.c_str());
   if (s.permutation_bytes > 0)
-    std::printf(", %ju bytes to name it, not counted below", std::uintmax_t{s.permutation_bytes});
+    std::printf(", which takes %ju bytes to store; they are not counted below",
+                std::uintmax_t{s.permutation_bytes});
   std::printf("\n%-20s %12s %9s %9s %10s %12s %9s %10s %10s\n", "codec", "bytes", "ratio", "bits/one",
               "encode s", "decode GB/s", "M ids/s", "row p50 us", "row p99 us");
 }
@@ -209,61 +211,57 @@ void write_csv_line(std::ostringstream& csv, const Subject& s, const Codec& code
     csv << ",\n";
 }
 
-}  // namespace
-
-void add_compare(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      app.add_subcommand("compare", "Every codec on every matrix: bytes, and how fast they come back");
-  verb->add_option("MATRIX", options->files, "Matrix files, .bsp.h5 or .mtx")->required();
-  verb->add_option("--orders", options->orders,
-                   "natural (as it stands), best (rows and columns as by vismat order), or both")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember({"natural", "best"}))
-      ->capture_default_str();
-  verb->add_option("--codecs", options->codecs, "These alone; default: all that there are here")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  verb->add_flag("--distinct", options->distinct,
-                 "Equal columns once; what tells which are equal counts as part of the order");
-  verb->add_option("--seconds", options->seconds,
-                   "For each figure: runs begin as long as this; the median counts")
-      ->capture_default_str();
-  verb->add_option("--csv", options->csv, "Also write a table of commas");
-  verb->footer(
-      "Bytes are payload, index and sections of the model. Codecs that give rows alone decode row by row "
-      "into one buffer, others, and those over a "
-      "tree, the whole matrix.\n"
-      "Every codec is checked by a round trip first. Codecs over a tree want a matrix with a tree, over rows "
-      "one with boxes or with a tree over them.\n"
-      "Example: vismat compare koth1.bsp.h5 --orders natural,best --csv koth1.csv");
-  verb->callback([options] {
-    const auto codecs = chosen_codecs(options->codecs);
-    std::ostringstream csv;
-    csv.precision(6);
-    csv << "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,"
-           "row_"
-           "p99_us\n";
-    for (const auto& file : options->files) {
-      for (const std::string& order : options->orders) {
-        const Subject s = subject_of(file, order, options->distinct);
-        print_header(s);
-        const auto progress = show_progress("codecs");
-        std::uint64_t done = 0;
-        for (const Codec& codec : codecs) {
-          progress(done++, codecs.size());
-          if (!obstacle(codec, s.data).empty()) continue;
-          const Figures figures = measure(codec, prepared(s, codec), options->seconds);
-          print(s, codec, figures);
-          write_csv_line(csv, s, codec, figures);
-        }
+void run(const Options& options) {
+  const auto codecs = chosen_codecs(options.codecs);
+  std::ostringstream csv;
+  csv.precision(6);
+  csv << "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,"
+         "row_p99_us\n";
+  for (const auto& file : options.files) {
+    for (const std::string& order : options.orders) {
+      const Subject s = subject_of(file, order, options.distinct);
+      print_header(s);
+      const auto progress = show_progress("codecs");
+      std::uint64_t done = 0;
+      for (const Codec& codec : codecs) {
+        progress(done++, codecs.size());
+        if (!obstacle(codec, s.data).empty()) continue;
+        const Figures figures = measure(codec, prepared(s, codec), options.seconds);
+        print(s, codec, figures);
+        write_csv_line(csv, s, codec, figures);
       }
     }
-    if (options->csv.empty()) return;
-    const std::string text = csv.str();
-    write_file(options->csv, std::as_bytes(std::span(text)));
-  });
+  }
+  if (options.csv.empty()) return;
+  const std::string text = csv.str();
+  write_file(options.csv, std::as_bytes(std::span(text)));
+}
+
+}  // namespace
+
+void add_compare(Program& program) {
+  const auto options = std::make_shared<Options>();
+  const Verb verb = program.verb(
+      "compare", "Measure every codec on every matrix: the compressed size and the decoding speed");
+  verb.option("MATRIX", options->files, "The matrix files (.bsp.h5 or .mtx)").required();
+  verb.option("--orders", options->orders,
+              "natural (as it is in the file), best (rows and columns as 'vismat order' puts them), or both")
+      .comma_separated()
+      .one_of({"natural", "best"});
+  verb.option("--codecs", options->codecs, "Only these codecs (default: all that are available)")
+      .comma_separated();
+  verb.flag("--distinct", options->distinct,
+            "Keep one of each set of equal columns; which are equal counts as part of the order's size");
+  verb.option("--seconds", options->seconds,
+              "Time for each figure: passes begin for this long, and their median counts");
+  verb.option("--csv", options->csv, "Also write the figures as a table (.csv)");
+  verb.note(
+      "Sizes are those of the payload, the index and the model's sections. Codecs that decode single rows "
+      "are timed row by row into one buffer; others, and those over a tree, decode the whole matrix.\n"
+      "A round trip checks each codec first. Codecs over a tree of columns need a matrix with such a tree; "
+      "those over a tree of rows need one with row boxes or with such a tree.");
+  verb.example("vismat compare koth1.bsp.h5 --orders natural,best --csv koth1.csv");
+  verb.runs([options] { run(*options); });
 }
 
 }  // namespace vismat::cli

@@ -1,4 +1,4 @@
-// deltas: a matrix of view cells as the differences between those that touch, and back.
+// vismat deltas: turns a matrix into the differences between neighbouring view cells, and back.
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include "cli/verbs.h"
 #include "layout/trees/nearest_tree.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/geometry/touching_boxes.h"
 
@@ -55,9 +56,11 @@ void print(const Deltas& deltas, const VisibilityMatrix& cells) {
   line("boundaries", summary_of(deltas.boundaries));
   line("lists",
        grouped(lists.shape().rows) + formatted(", %.1f ones each", share(lists.ones(), lists.shape().rows)));
-  line("ones", grouped(lists.ones()) + formatted(", %.3f of the cells' ", share(lists.ones(), cells.ones())) +
+  line("ones", grouped(lists.ones()) +
+                   formatted(", %.3f times the view cells' ", share(lists.ones(), cells.ones())) +
                    grouped(cells.ones()));
-  line("density", formatted("%.3f %%, the cells' is %.3f %%", 100 * lists.density(), 100 * cells.density()));
+  line("density",
+       formatted("%.3f %%; the view cells' is %.3f %%", 100 * lists.density(), 100 * cells.density()));
 
   std::vector<std::uint64_t> differences;  // between cells, both ways together
   std::uint64_t empty = 0;
@@ -67,7 +70,7 @@ void print(const Deltas& deltas, const VisibilityMatrix& cells) {
     empty += (appears == 0) + (vanishes == 0);
     differences.push_back(appears + vanishes);
   }
-  if (differences.empty()) return line("between cells", "nothing: no two touch");
+  if (differences.empty()) return line("between cells", "nothing: no two view cells are neighbours");
   std::ranges::sort(differences);
   line("between cells",
        formatted("mean %.1f ones, median ",
@@ -76,8 +79,8 @@ void print(const Deltas& deltas, const VisibilityMatrix& cells) {
            formatted("; %.1f %% of the lists are empty", 100 * share(empty, 2 * differences.size())));
 }
 
-// The same source map: what it says of rows it says of the view cells, of differences as of the cells themselves. Geometry of
-// rows is left behind.
+// The same source map: what it says of rows is about the view cells, in a matrix of differences too. The geometry of the rows is
+// left out.
 Dataset with_rows(const Dataset& of, VisibilityMatrix matrix) {
   Dataset result;
   result.matrix = std::move(matrix);
@@ -100,7 +103,7 @@ void make(const Options& options) {
   Deltas deltas;
   try {
     if (!cells.source.boundaries.empty())
-      throw std::invalid_argument("holds differences already; --undo makes cells of them");
+      throw std::invalid_argument("holds differences already; --undo restores the view cells");
     deltas = deltas_of(cells.matrix, neighbours_by(method, cells));
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(options.in.string() + ": " + error.what());
@@ -132,29 +135,26 @@ void undo(const Options& options) {
 
 }  // namespace
 
-void add_deltas(CLI::App& app) {
+void add_deltas(Program& program) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      app.add_subcommand("deltas", "What appears and vanishes between view cells that touch, and back");
-  verb->add_option("MATRIX", options->in, "Matrix file, .bsp.h5 or .mtx; with --undo what this verb wrote")
-      ->required();
-  verb->add_option("-o,--output", options->out, "Matrix file to write, .bsp.h5: two rows for each boundary")
-      ->required();
-  CLI::Option* neighbours =
-      verb->add_option(
-              "--neighbours", options->neighbours,
-              "Which cells touch: given with the matrix; boxes, where theirs share a face; tree, the "
-              "spanning tree of nearest rows (6 s for 25,000 rows, four times that for twice as many); auto, "
-              "the "
-              "first of these that is known")
-          ->check(CLI::IsMember({"given", "boxes", "tree", "auto"}))
-          ->capture_default_str();
-  verb->add_flag("--undo", options->undo, "Back to the cells: the same matrix, and which of them touch")
-      ->excludes(neighbours);
-  verb->footer(
-      "Example: vismat deltas city.bsp.h5 -o deltas.bsp.h5\n"
-      "         vismat deltas --undo deltas.bsp.h5 -o cells.bsp.h5");
-  verb->callback([options] { options->undo ? undo(*options) : make(*options); });
+  const Verb verb =
+      program.verb("deltas", "Turn a matrix into the differences between neighbouring view cells, or back");
+  verb.option("MATRIX", options->in,
+              "The matrix file to read (.bsp.h5 or .mtx); with --undo, a file that this verb wrote")
+      .required();
+  verb.output(options->out, "The matrix file to write (.bsp.h5), with two rows for each boundary");
+  const Option neighbours =
+      verb.option("--neighbours", options->neighbours,
+                  "Which view cells are neighbours. given: as the matrix file says; boxes: those whose boxes "
+                  "share a face; tree: those joined by the spanning tree of nearest rows (6 s for 25,000 "
+                  "rows, four times as long for twice as many); auto: the first of these that is known")
+          .one_of({"given", "boxes", "tree", "auto"});
+  verb.flag("--undo", options->undo,
+            "Restore the view cells: the same matrix, and which of them are neighbours")
+      .excludes(neighbours);
+  verb.example("vismat deltas city.bsp.h5 -o deltas.bsp.h5");
+  verb.example("vismat deltas --undo deltas.bsp.h5 -o cells.bsp.h5");
+  verb.runs([options] { options->undo ? undo(*options) : make(*options); });
 }
 
 }  // namespace vismat::cli

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/verbs.h"
+#include "programs/options.h"
 
 namespace vismat::cli {
 namespace {
@@ -23,33 +24,32 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_dense_city(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+void add_dense_city(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
   DenseCityOptions& o = arguments->options;
-  CLI::App* verb = app.add_subcommand(
+  const Verb verb = program.verb(
       "dense-city",
       "Make a city of a million triangles: buildings, rooms, cars, and view cells on the streets");
-  verb->footer("Example: vismat dense-city --size 8 -o dense8.scene.h5 && vismat info dense8.scene.h5");
-  const auto add = [&](const char* name, auto& value, const char* help) {
-    verb->add_option(name, value, help)->capture_default_str();
-  };
-  add("--size", o.size, "Squares a side, with a building or cars on each");
-  add("--pitch", o.pitch, "Side of a square, metres");
-  add("--street", o.street, "Width of the strip that stays free between squares, metres");
-  add("--smallest-side", o.smallest_side, "Of a building, metres");
-  add("--largest-side", o.largest_side, "Of a building, metres");
-  add("--lowest", o.lowest, "Height of the lowest building, metres");
-  add("--highest", o.highest, "Height of the highest building, metres");
-  add("--step", o.step, "Longest leg of a wall's triangle, metres");
-  add("--interiors", o.interiors, "Share of the buildings with rooms and furniture");
-  add("--car-parks", o.car_parks, "Share of the squares with cars instead of a building");
-  add("--car-sides", o.car_sides, "Points round a car's body; twice their square is its triangles");
-  add("--cell", o.cell, "Side of a view cell, metres");
-  add("--eye-low", o.eye_low, "Least height of the viewer's eyes, metres");
-  add("--eye-high", o.eye_high, "Greatest height of the viewer's eyes, metres");
-  add("--seed", o.seed, "Another seed, another city");
-  verb->add_option("-o,--output", arguments->output, "The scene file to write (.scene.h5)")->required();
-  verb->callback([arguments] { run(*arguments); });
+  verb.option("--size", o.size, "Number of squares along each side of the city; each has a building or cars");
+  verb.option("--pitch", o.pitch, "Side of a square, in metres");
+  verb.option("--street", o.street, "Width of the strip that stays free between squares, in metres");
+  verb.option("--smallest-side", o.smallest_side, "Shortest side of a building, in metres");
+  verb.option("--largest-side", o.largest_side, "Longest side of a building, in metres");
+  verb.option("--lowest", o.lowest, "Height of the lowest building, in metres");
+  verb.option("--highest", o.highest, "Height of the highest building, in metres");
+  verb.option("--step", o.step, "Longest leg of a triangle of a wall, in metres");
+  verb.option("--interiors", o.interiors, "Share of the buildings that have rooms and furniture");
+  verb.option("--car-parks", o.car_parks, "Share of the squares that have cars instead of a building");
+  verb.option(
+      "--car-sides", o.car_sides,
+      "Number of points around a car's body, which has about twice the square of this number of triangles");
+  verb.option("--cell", o.cell, "Side of a view cell, in metres");
+  verb.option("--eye-low", o.eye_low, "Least height of the viewer's eyes, in metres");
+  verb.option("--eye-high", o.eye_high, "Greatest height of the viewer's eyes, in metres");
+  verb.option("--seed", o.seed, "Another seed makes another city");
+  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.example("vismat dense-city --size 8 -o dense8.scene.h5 && vismat info dense8.scene.h5");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

@@ -1,4 +1,4 @@
-// generate: synthetic matrices in the likeness of the papers' large scenes.
+// vismat generate: makes synthetic matrices like those of the large scenes of Chhugani et al. 2005.
 #include "matrix/generate.h"
 
 #include <cstdio>
@@ -8,6 +8,7 @@
 
 #include "cli/verbs.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/options.h"
 
 namespace vismat::cli {
 namespace {
@@ -38,26 +39,22 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_generate(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb =
-      app.add_subcommand("generate", "Make a matrix like those of a power plant or a city, up to 10^9 ones");
-  verb->footer(
-      "Rows are boundaries between view cells, columns the objects that appear or vanish there. At --scale 1 "
-      "the sizes of\n"
-      "Chhugani et al. 2005: 350,000 x 400,000 (5.2e8 ones, 4.2 GB to make) and 700,000 x 790,000 (1.0e9, 8 "
-      "GB).\n"
-      "Example: vismat generate power-plant --scale 0.0625 -o plant.bsp.h5");
-  verb->add_option("SCENE", arguments->scene, "power-plant or city")
-      ->required()
-      ->check(CLI::IsMember({"power-plant", "city"}));
-  verb->add_option("--scale", arguments->scale, "Share of the papers' size, above 0, at most 1")
-      ->check(CLI::Range(1e-4, 1.))
-      ->capture_default_str();
-  verb->add_flag("--harder", arguments->harder, "Less redundant: more of each object's view is its own");
-  verb->add_option("--seed", arguments->seed, "Another seed, another scene")->capture_default_str();
-  verb->add_option("-o,--output", arguments->output, "Matrix file to write, .bsp.h5 or .mtx")->required();
-  verb->callback([arguments] { run(*arguments); });
+void add_generate(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
+  const Verb verb = program.verb(
+      "generate", "Make a random matrix like those of a power plant or a city, with up to 10^9 ones");
+  verb.option("SCENE", arguments->scene, "power-plant or city").required().one_of({"power-plant", "city"});
+  verb.option("--scale", arguments->scale, "Size as a share of the published scene's").between(1e-4, 1);
+  verb.flag("--harder", arguments->harder,
+            "Make a less redundant matrix, in which view cells have less in common");
+  verb.option("--seed", arguments->seed, "Another seed makes another matrix");
+  verb.output(arguments->output, "The matrix file to write (.bsp.h5 or .mtx)");
+  verb.note(
+      "Rows are boundaries between view cells; columns are the objects that appear or vanish there. --scale "
+      "1 makes the sizes of Chhugani et al. 2005: 350,000 x 400,000 (5.2e8 ones, which takes 4.2 GB of "
+      "memory) and 700,000 x 790,000 (1.0e9 ones, 8 GB).");
+  verb.example("vismat generate power-plant --scale 0.0625 -o plant.bsp.h5");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

@@ -1,4 +1,4 @@
-// vismat import: a game's level to a matrix file.
+// vismat import: makes a matrix file from a game's level.
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -6,6 +6,7 @@
 
 #include "cli/verbs.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/options.h"
 #include "visibility/geometry/bounding_volume_tree.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/scene_file.h"
@@ -55,25 +56,26 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_import(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand("import", "Read a level of Quake 3 or Doom: what its cells see");
-  verb->footer(
-      "LEVEL is FILE.bsp, FILE.pk3:maps/NAME.bsp or FILE.wad:MAP; 'vismat info FILE' lists what is in one.\n"
-      "Example: vismat import pak1-maps.pk3:maps/oa_koth1.bsp -o koth1.bsp.h5 --matrix faces --tree level");
-  verb->add_option("LEVEL", arguments->level, "The level")->required();
-  verb->add_option("-o,--output", arguments->output, "The matrix file to write (.bsp.h5, .mtx)")->required();
-  verb->add_option("--matrix", arguments->matrix, "Columns: cells (clusters, sectors) or faces (Quake only)")
-      ->check(CLI::IsMember({"cells", "faces"}))
-      ->capture_default_str();
-  verb->add_option("--tree", arguments->tree,
-                   "Over the columns: a 4-ary one of their boxes, or the level's own")
-      ->check(CLI::IsMember({"none", "bounds", "level"}))
-      ->capture_default_str();
-  verb->add_flag("--nodes", arguments->nodes, "Make the tree's nodes the columns");
-  verb->add_option("--scene", arguments->scene,
-                   "Write the faces' triangles too (.scene.h5), one object a face");
-  verb->callback([arguments] { run(*arguments); });
+void add_import(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
+  const Verb verb = program.verb("import", "Read a level of Quake 3 or Doom: what its view cells see");
+  verb.option("LEVEL", arguments->level, "The level").required();
+  verb.output(arguments->output, "The matrix file to write (.bsp.h5 or .mtx)");
+  verb.option("--matrix", arguments->matrix,
+              "The columns: cells (clusters or sectors) or, of Quake levels, faces")
+      .one_of({"cells", "faces"});
+  verb.option("--tree", arguments->tree,
+              "The tree over the columns: none, one of their bounds with four children a node, or the "
+              "level's own")
+      .one_of({"none", "bounds", "level"});
+  verb.flag("--nodes", arguments->nodes, "Make the tree's nodes the columns");
+  verb.option("--scene", arguments->scene,
+              "Also write the faces' triangles as a scene file (.scene.h5), in which each face is an object");
+  verb.note(
+      "LEVEL is FILE.bsp, FILE.pk3:maps/NAME.bsp or FILE.wad:MAP; 'vismat info FILE' lists the levels of a "
+      "file.");
+  verb.example("vismat import pak1-maps.pk3:maps/oa_koth1.bsp -o koth1.bsp.h5 --matrix faces --tree level");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

@@ -1,4 +1,4 @@
-// vismat info: what a file holds, whatever kind of file it is, told by its first bytes.
+// vismat info: prints what a file of any kind holds; its first bytes tell the kind.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +20,7 @@
 #include "matrix/files/dataset_file.h"
 #include "matrix/files/hdf5_file.h"
 #include "matrix/partition.h"
+#include "programs/options.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/scene_file.h"
 
@@ -27,30 +28,29 @@ namespace vismat::cli {
 namespace {
 
 void print_tree(const char* what, const ObjectTree& tree) {
-  std::uint32_t leafs = 0, depth = 0, widest = 0;
+  std::uint32_t leaves = 0, depth = 0, widest = 0;
   std::vector<std::uint32_t> depths(tree.size(), 0);
   for (std::uint32_t node = 0; node < tree.size(); ++node) {
     const auto children = static_cast<std::uint32_t>(tree.children(node).size());
-    leafs += children == 0;
+    leaves += children == 0;
     widest = std::max(widest, children);
     if (node > 0) depths[node] = depths[tree.parent_of_node()[node]] + 1;
     depth = std::max(depth, depths[node]);
   }
   line(what, grouped(tree.size()) + " nodes over " + grouped(tree.object_count()) + " objects, " +
-                 grouped(leafs) + " leafs, depth " + std::to_string(depth) + ", at most " +
+                 grouped(leaves) + " leaves, depth " + std::to_string(depth) + ", at most " +
                  std::to_string(widest) + " children");
 }
 
 void print_groups(const char* what, const std::optional<Partition>& groups) {
-  if (groups)
-    line(what, grouped(groups->groups()) + " groups of " + grouped(groups->size()) + " of the source");
+  if (groups) line(what, grouped(groups->groups()) + " groups of the source's " + grouped(groups->size()));
 }
 
 void print_source_map(const SourceMap& source) {
   if (!source.boundaries.empty()) line("boundaries", summary_of(source.boundaries));
   if (source.row_order || source.column_order) {
     const bool both = source.row_order == source.column_order;
-    line("reordered", both                   ? "rows and columns, alike"
+    line("reordered", both                   ? "rows and columns, in the same order"
                       : !source.row_order    ? "columns"
                       : !source.column_order ? "rows"
                                              : "rows, columns");
@@ -126,8 +126,8 @@ void print_container(const Container& container, std::span<const std::byte> file
   line("codec", container.codec);
   const std::size_t payload = container.encoded.payload.size();
   const double ones = static_cast<double>(std::max<std::uint64_t>(container.ones, 1));
-  line("payload",
-       grouped(payload) + " bytes, " + formatted("%.3f bits a one", 8 * static_cast<double>(payload) / ones));
+  line("payload", grouped(payload) + " bytes, " +
+                      formatted("%.3f bits per one", 8 * static_cast<double>(payload) / ones));
   const ContainerHead head(file);
   using S = vmat::Section;
   for (const auto& [section, what] :
@@ -140,10 +140,10 @@ void print_container(const Container& container, std::span<const std::byte> file
     if (const std::size_t bytes = head.section(section).size(); bytes > 0)
       line(what, grouped(bytes) + " bytes");
   }
-  if (container.boxes) line("coded under", "boxes of rows and columns, which a reader must have");
+  if (container.boxes) line("encoded with", "the boxes of rows and columns, which a reader must have");
   print_source_map(container.source);
   std::istringstream facts(container.facts);
-  for (std::string fact; std::getline(facts, fact);) line("said of it", fact);
+  for (std::string fact; std::getline(facts, fact);) line("fact", fact);
 }
 
 void print_level(const Level& level) {
@@ -203,17 +203,16 @@ void print_info(const std::string& where) {
 
 }  // namespace
 
-void add_info(CLI::App& app) {
+void add_info(Program& program) {
   const auto file = std::make_shared<std::string>();
-  CLI::App* verb =
-      app.add_subcommand("info", "What a file holds: matrix, compressed matrix, scene or levels");
-  verb->add_option("FILE", *file,
-                   ".bsp.h5, .mtx, .vmat, .scene.h5, .bsp, .pk3, .wad, or a level in one: FILE:MAP")
-      ->required();
-  verb->footer(
-      "Example: vismat info koth1.bsp.h5\n"
-      "         vismat info pak6-patch085.pk3      (lists its levels)");
-  verb->callback([file] { print_info(*file); });
+  const Verb verb =
+      program.verb("info", "Print what a file holds: a matrix, a compressed matrix, a scene or levels");
+  verb.option("FILE", *file,
+              "The file (.bsp.h5, .mtx, .vmat, .scene.h5, .bsp, .pk3, .wad), or a level in one: FILE:MAP")
+      .required();
+  verb.example("vismat info koth1.bsp.h5");
+  verb.example("vismat info pak6-patch085.pk3      (lists its levels)");
+  verb.runs([file] { print_info(*file); });
 }
 
 }  // namespace vismat::cli

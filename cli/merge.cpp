@@ -1,4 +1,4 @@
-// merge: view cells or objects with similar rows or columns in groups, whose unions stand for them; and back.
+// vismat merge: merges similar view cells or objects into groups, and expands the groups again.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +15,7 @@
 #include "layout/groups/grouping.h"
 #include "matrix/files/dataset_file.h"
 #include "matrix/loss.h"
+#include "programs/options.h"
 #include "programs/progress.h"
 
 namespace vismat::cli {
@@ -40,7 +41,7 @@ void merge(const Options& options) {
   if (!data.source.boundaries.empty()) {
     throw std::invalid_argument(
         options.in.string() +
-        ": holds differences; merge the cells, which 'vismat deltas --undo' makes of them");
+        ": holds differences; merge the view cells, which 'vismat deltas --undo' restores");
   }
   const VisibilityMatrix original = data.matrix;
   const auto [rows, columns] = original.shape();
@@ -73,7 +74,7 @@ void merge(const Options& options) {
   if (groups.columns) expanded = expand_columns(expanded, *groups.columns);
   print_loss(loss_of(expanded, original));
   line("map", grouped(group_size(groups.rows) + group_size(groups.columns)) + " bytes in a .vmat file");
-  if (nodes && !data.source.columns_are_nodes) line("tree", "left out: its nodes were merged");
+  if (nodes && !data.source.columns_are_nodes) line("tree", "left out, because its nodes were merged");
 }
 
 void expand(const Options& options) {
@@ -85,41 +86,37 @@ void expand(const Options& options) {
 
 }  // namespace
 
-void add_merge(CLI::App& app) {
+void add_merge(Program& program) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      app.add_subcommand("merge", "Merge similar view cells or objects; what is visible stays so");
+  const Verb verb =
+      program.verb("merge", "Merge similar view cells or objects; everything visible stays visible");
+  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.output(
+      options->out,
+      "The matrix file to write (.bsp.h5): the unions of the groups, and which group each member is in");
+  const Option lost =
+      verb.option("--lost", options->lost, "Greatest share of the occlusions (zeros) that may be lost")
+          .between(0, 1);
+  verb.option("--added", options->added,
+              "The same bound as a share of the visible entries (ones): how many may be added")
+      .not_negative()
+      .excludes(lost);
+  verb.option("--max-per-cell", options->max_per_cell,
+              "Greatest share of its own occlusions that any one view cell may lose")
+      .between(0, 1);
+  verb.option("--side", options->side, "What is merged: view cells, objects or both")
+      .one_of({"cells", "objects", "both"});
   std::string methods;
-  for (const Grouping& grouping : groupings()) {
+  for (const Grouping& grouping : groupings())
     methods += (methods.empty() ? "" : "; ") + std::string(grouping.name) + ": " + std::string(grouping.idea);
-  }
-  verb->add_option("MATRIX", options->in, "Matrix file, .bsp.h5 or .mtx")->required();
-  verb->add_option("-o,--output", options->out,
-                   "Matrix file to write, .bsp.h5: the groups' unions and the map")
-      ->required();
-  CLI::Option* lost =
-      verb->add_option("--lost", options->lost, "Most occlusions (zeros) that may be lost, as a share")
-          ->check(CLI::Range(0.0, 1.0))
-          ->capture_default_str();
-  verb->add_option("--added", options->added, "The same bound as a share of what is visible: ones added")
-      ->check(CLI::NonNegativeNumber)
-      ->excludes(lost);
-  verb->add_option("--max-per-cell", options->max_per_cell,
-                   "Most of its own occlusions that any one view cell may lose, as a share")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  verb->add_option("--side", options->side, "What is merged")
-      ->check(CLI::IsMember({"cells", "objects", "both"}))
-      ->capture_default_str();
-  verb->add_option("--method", options->method, "Which to merge; " + methods)->capture_default_str();
-  verb->add_option("--seed", options->seed, "For seeds")->capture_default_str();
-  verb->add_option("--threads", options->threads, "0: one a core")->capture_default_str();
-  verb->add_flag("--expand", options->expand,
-                 "From groups to all view cells and objects, as their groups see");
-  verb->footer(
-      "Example: vismat merge city.bsp.h5 --lost 0.05 -o merged.bsp.h5\n"
-      "         vismat verify merged.bsp.h5 city.bsp.h5");
-  verb->callback([options] { options->expand ? expand(*options) : merge(*options); });
+  verb.option("--method", options->method, "How to choose what is merged. " + methods);
+  verb.option("--seed", options->seed, "Random seed of the method seeds");
+  verb.threads(options->threads);
+  verb.flag("--expand", options->expand,
+            "Go back from groups to all view cells and objects, each as its group sees or is seen");
+  verb.example("vismat merge city.bsp.h5 --lost 0.05 -o merged.bsp.h5");
+  verb.example("vismat verify merged.bsp.h5 city.bsp.h5");
+  verb.runs([options] { options->expand ? expand(*options) : merge(*options); });
 }
 
 }  // namespace vismat::cli

@@ -1,4 +1,4 @@
-// order: the same matrix with its rows, its columns or both in another order, and how far from the best that can be.
+// vismat order: reorders a matrix's rows, columns or both, and tells how far the order may be from the best.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -20,6 +20,7 @@
 #include "layout/reordering.h"
 #include "matrix/base/atomic_file.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/options.h"
 #include "programs/progress.h"
 
 namespace vismat::cli {
@@ -53,7 +54,7 @@ Result order_side(const VisibilityMatrix& matrix, const std::string& method, con
   if (method == "neighbours") {
     if (!rows || !data.row_neighbours) {
       throw std::invalid_argument(
-          "neighbours orders rows of a matrix that says which rows touch; use --rows greedy");
+          "neighbours orders the rows of a matrix that says which of them are neighbours; use --rows greedy");
     }
     result.order = order_rows_by_neighbours(data.matrix, *data.row_neighbours);
   } else {
@@ -74,7 +75,7 @@ bool goes_out_of_core(const std::string& method) {
   return method == "best" || method == "scale-tour";
 }
 
-// What ordering the columns takes at most, in bytes: the matrix, its transpose, and what a method knows of each column.
+// The memory in bytes that ordering the columns takes at most: the matrix, its transpose, and what a method stores for each column.
 struct Need {
   std::uint64_t in_core, out_of_core;
 };
@@ -144,18 +145,19 @@ void run(const Options& options) {
   Dataset data = read_dataset(options.in);
   const Shape shape = data.matrix.shape();
   if (options.columns == "identity" && options.rows == "identity") {
-    throw std::invalid_argument("nothing to order: say --columns METHOD or --rows METHOD, for example best");
+    throw std::invalid_argument("nothing to order: give --columns METHOD or --rows METHOD, for example best");
   }
   if (options.symmetric && (shape.rows != shape.columns || options.rows != "identity")) {
-    throw std::invalid_argument("--symmetric takes a square matrix and --columns alone; this one is " +
-                                std::to_string(shape.rows) + " x " + std::to_string(shape.columns));
+    throw std::invalid_argument(
+        "--symmetric needs a square matrix and --columns without --rows; this one is " +
+        std::to_string(shape.rows) + " x " + std::to_string(shape.columns));
   }
   Permutation rows = Permutation::identity(shape.rows), columns = Permutation::identity(shape.columns);
   std::optional<Result> of_columns, of_rows;
   bool out_of_core = false;
   if (options.memory != 0) {
     if (options.rows != "identity")
-      throw std::invalid_argument("--memory is for --columns; order rows in a second run");
+      throw std::invalid_argument("--memory is for --columns; order the rows in a second run");
     const Need need = memory_needed(data.matrix, options.columns);
     out_of_core = need.in_core > options.memory;
     const std::uint64_t least = goes_out_of_core(options.columns) ? need.out_of_core : need.in_core;
@@ -197,45 +199,37 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_order(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+void add_order(Program& program) {
+  const auto options = std::make_shared<Options>();
   options->order.stages = show_progress;
+  const Verb verb = program.verb("order", "Reorder rows and columns so that similar ones are neighbours");
+  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.output(options->out, "The matrix file to write; its orders are stored with it");
+  verb.option("--columns", options->columns, "Method that orders the columns; see the list below");
+  verb.option("--rows", options->rows,
+              "Method that orders the rows; also 'neighbours': greedy order among touching view cells");
+  verb.flag("--symmetric", options->symmetric,
+            "Give the rows of a square matrix the same order as its columns");
+  verb.option("--seed", options->order.seed, "Seed of the methods that draw random numbers");
+  verb.option("--seconds", options->order.seconds,
+              "Improve tours for this long; 0: by a fixed number of changes");
+  verb.option("--bound", options->bound,
+              "Lower bound on the number of runs in any order: none, quick (seconds; a minute for 25,000 "
+              "columns), or tight")
+      .one_of({"none", "quick", "tight"});
+  verb.option("--bound-seconds", options->bound_seconds, "Time that --bound tight takes").between(1e-3, 1e7);
+  verb.option("--memory", options->memory,
+              "Memory for ordering the columns in bytes, such as 12G; 0: no limit. Where it is too little, "
+              "best and scale-tour keep the transposed matrix in a temporary file beside the output")
+      .size_in_bytes();
+  verb.option("--json", options->json,
+              "Also write the runs, the bound, the seconds and the peak memory to this file");
   std::string methods;
-  for (const Reordering& method : reorderings()) {
+  for (const Reordering& method : reorderings())
     methods += "\n  " + std::string(method.name) + ": " + std::string(method.idea);
-  }
-  CLI::App* verb =
-      app.add_subcommand("order", "Reorder rows and columns so that similar ones are neighbours");
-  verb->add_option("MATRIX", options->in, "Matrix file, .bsp.h5 or .mtx")->required();
-  verb->add_option("-o,--output", options->out, "Matrix file to write; its order is stored with it")
-      ->required();
-  verb->add_option("--columns", options->columns, "Method for the columns, from the list below")
-      ->capture_default_str();
-  verb->add_option("--rows", options->rows,
-                   "Method for the rows; also neighbours: greedy among touching view cells")
-      ->capture_default_str();
-  verb->add_flag("--symmetric", options->symmetric, "Square matrix: the columns' order for the rows too");
-  verb->add_option("--seed", options->order.seed, "Seed of random and of the tours' kicks")
-      ->capture_default_str();
-  verb->add_option("--seconds", options->order.seconds,
-                   "Polish tours that long instead of a fixed number of kicks");
-  verb->add_option(
-          "--bound", options->bound,
-          "Lower bound on the runs of any order: none, quick (seconds; a minute at 25,000 columns), or tight")
-      ->check(CLI::IsMember({"none", "quick", "tight"}))
-      ->capture_default_str();
-  verb->add_option("--bound-seconds", options->bound_seconds, "How long --bound tight goes on")
-      ->check(CLI::Range(1e-3, 1e7))
-      ->capture_default_str();
-  verb->add_option("--memory", options->memory,
-                   "Bytes to order columns in, such as 12G; where they do not suffice, best and scale-tour "
-                   "keep the transpose "
-                   "in a temporary file beside the output")
-      ->transform(CLI::AsSizeValue(false));
-  verb->add_option("--json", options->json, "Also write runs, bound, seconds and peak memory there");
-  verb->footer("Methods:" + methods +
-               "\n\nExample: vismat order koth1.bsp.h5 --columns best --rows best -o ordered.bsp.h5");
-  verb->callback([options] { run(*options); });
+  verb.note("Methods:" + methods + "\n\n");
+  verb.example("vismat order koth1.bsp.h5 --columns best --rows best -o ordered.bsp.h5");
+  verb.runs([options] { run(*options); });
 }
 
 }  // namespace vismat::cli

@@ -1,10 +1,11 @@
-// vismat plant: a made-up chemical plant as a scene file.
+// vismat plant: makes a chemical plant as a scene file.
 #include "visibility/generators/plant.h"
 
 #include <cstdio>
 #include <memory>
 
 #include "cli/verbs.h"
+#include "programs/options.h"
 
 namespace vismat::cli {
 namespace {
@@ -24,26 +25,23 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_plant(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+void add_plant(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
   PlantOptions& o = arguments->options;
-  CLI::App* verb = app.add_subcommand(
-      "plant",
-      "Make a plant of pipes and tanks, tens of thousands of components, and view cells all over it");
-  verb->footer("Example: vismat plant --size 4 -o plant4.scene.h5 && vismat info plant4.scene.h5");
-  const auto add = [&](const char* name, auto& value, const char* help) {
-    verb->add_option(name, value, help)->capture_default_str();
-  };
-  add("--size", o.size, "Bays a side, with a tank, vessels or a steel frame in each");
-  add("--bay", o.bay, "Side of a bay, metres");
-  add("--height", o.height, "Of the space that pipes run through, metres");
-  add("--pipes", o.pipes, "Share of that space that pipes take at most");
-  add("--pipe-sides", o.pipe_sides, "Points round a pipe");
-  add("--cell", o.cell, "Side of a view cell, metres");
-  add("--seed", o.seed, "Another seed, another plant");
-  add("--threads", arguments->threads, "0: one a core; the bytes are the same for any number");
-  verb->add_option("-o,--output", arguments->output, "The scene file to write (.scene.h5)")->required();
-  verb->callback([arguments] { run(*arguments); });
+  const Verb verb = program.verb(
+      "plant", "Make a chemical plant of tens of thousands of pipes and tanks, with view cells all over it");
+  verb.option("--size", o.size,
+              "Number of bays along each side of the plant; each has a tank, vessels or a steel frame");
+  verb.option("--bay", o.bay, "Side of a bay, in metres");
+  verb.option("--height", o.height, "Height of the space that pipes run through, in metres");
+  verb.option("--pipes", o.pipes, "Greatest share of that space that pipes take");
+  verb.option("--pipe-sides", o.pipe_sides, "Number of points around a pipe");
+  verb.option("--cell", o.cell, "Side of a view cell, in metres");
+  verb.option("--seed", o.seed, "Another seed makes another plant");
+  verb.threads(arguments->threads);
+  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.example("vismat plant --size 4 -o plant4.scene.h5 && vismat info plant4.scene.h5");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

@@ -1,4 +1,4 @@
-// vismat scene: any triangles to a scene file.
+// vismat scene: makes a scene file from any triangles.
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -6,6 +6,7 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
+#include "programs/options.h"
 #include "visibility/meshes/any_scene.h"
 
 namespace vismat::cli {
@@ -42,27 +43,25 @@ void run(Arguments arguments) {
 
 }  // namespace
 
-void add_scene(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+void add_scene(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
   AnySceneOptions& o = arguments->options;
-  CLI::App* verb = app.add_subcommand("scene", "Make a scene file of a mesh, a level or another scene file");
-  verb->footer(
-      "INPUT is a mesh (.obj, .ply, .off, .stl), a Quake-3 level (FILE.bsp, FILE.pk3:maps/NAME.bsp) or a "
-      ".scene.h5.\n"
-      "Example: vismat scene station.obj --scale 0.01 --up y -o station.scene.h5");
-  verb->add_option("INPUT", arguments->input, "What holds the triangles")->required();
-  verb->add_option("-o,--output", arguments->output, "The scene file to write (.scene.h5)")->required();
-  verb->add_option("--objects", arguments->objects,
-                   "components: triangles that share vertices (a mesh's default); keep: a level's faces, a "
-                   "scene's objects")
-      ->check(CLI::IsMember({"components", "one-a-triangle", "keep"}));
-  verb->add_option("--weld", o.weld, "Vertices within this distance become one, metres; 0: equal ones")
-      ->capture_default_str();
-  verb->add_option("--scale", o.scale, "Metres for each unit of a mesh")->capture_default_str();
-  verb->add_option("--up", arguments->up, "Which axis of a mesh points up")
-      ->check(CLI::IsMember({"y", "z"}))
-      ->capture_default_str();
-  verb->callback([arguments] { run(*arguments); });
+  const Verb verb = program.verb("scene", "Make a scene file from a mesh, a level or another scene file");
+  verb.option("INPUT", arguments->input, "The file that holds the triangles").required();
+  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.option("--objects", arguments->objects,
+              "What becomes an object. components: triangles that share vertices, which is a mesh's default; "
+              "one-a-triangle; keep: a level's faces or a scene's objects, which is their default")
+      .one_of({"components", "one-a-triangle", "keep"});
+  verb.option("--weld", o.weld,
+              "Vertices within this distance in metres become one; 0 joins only equal vertices");
+  verb.option("--scale", o.scale, "Length of a mesh's unit in metres");
+  verb.option("--up", arguments->up, "The axis of a mesh that points up").one_of({"y", "z"});
+  verb.note(
+      "INPUT is a mesh (.obj, .ply, .off, .stl), a Quake 3 level (FILE.bsp, FILE.pk3:maps/NAME.bsp) or a "
+      ".scene.h5.");
+  verb.example("vismat scene station.obj --scale 0.01 --up y -o station.scene.h5");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

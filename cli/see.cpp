@@ -12,6 +12,7 @@
 #include "matrix/base/checksum.h"
 #include "matrix/files/dataset_file.h"
 #include "programs/crew.h"
+#include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/any_scene.h"
@@ -249,51 +250,51 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_see(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
+void add_see(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
   Arguments& a = *arguments;
-  CLI::App* verb = app.add_subcommand("see", "Find which objects each view cell of a scene sees");
-  verb->footer(
-      "shadow: what is listed includes all that is visible. sampled, climbing: all that is listed is "
-      "visible. sandwich: both; -o has what\n"
-      "is not proven hidden, --seen what is proven seen. A killed run goes on where it was; 'mpirun -n K "
-      "vismat see ...' shares the work.\n"
-      "Example: vismat see station.obj --cells grid:4 --eyes 1.5,1.8 -o station.bsp.h5 --seen "
-      "station.seen.bsp.h5");
-  verb->add_option("scene", a.scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake-3 level")
-      ->required();
-  verb->add_option("-o,--output", a.output, "The matrix to write (.bsp.h5 or .mtx)")->required();
-  verb->add_option("--seen", a.seen, "The matrix of what is seen for sure, with its sight lines (sandwich)");
-  verb->add_option("--producer", a.producer,
-                   "How: by shadows, by rays, by both; climbing is for the paper's cities of boxes")
-      ->check(CLI::IsMember({"shadow", "sampled", "sandwich", "climbing"}))
-      ->capture_default_str();
-  add_cells_options(*verb, a.cells);
-  verb->add_option("--effort", a.effort,
-                   "0: shadows of the whole cell; 1: and rays, and some patches of it; 2: many patches")
-      ->check(CLI::Range(0u, 2u))
-      ->capture_default_str();
-  verb->add_option("--points", a.points, "Projection points of a cell: 1, 9 or 27 (by effort)");
-  verb->add_option("--patches", a.patches, "Views from patches of a cell's boundary, at most (by effort)");
-  verb->add_option("--resolution", a.resolution, "Pixels a side of a view's six faces (by effort)");
-  verb->add_option("--patch-resolution", a.patch_resolution, "The same for patches (by effort)");
-  verb->add_option("--rays", a.rays, "Aimed rays a cell and round, at most (sampled, sandwich)");
-  verb->add_option("--patch-rays", a.patch_rays, "Rays a patch (sandwich)");
-  const auto add = [&](const char* name, auto& value, const char* help) {
-    verb->add_option(name, value, help)->capture_default_str();
-  };
-  add("--directions", a.climbing.directions,
-      "Of climbing: unaimed directions all around a viewpoint, in the first pass");
-  add("--viewpoints", a.climbing.origins, "Of climbing: viewpoints an edge of a cell and pass");
-  add("--passes", a.climbing.passes, "Of climbing: at most");
-  add("--enough", a.climbing.enough_yield,
-      "Of climbing: a cell rests when a pass adds less than this part of what it sees");
-  add("--seed", a.seed, "Another seed, other rays");
-  add("--threads", a.threads, "0: one a core; the result is the same for any number");
-  CLI::Option* nodes = verb->add_flag("--nodes", a.nodes,
-                                      "One column a node of the scene's tree (the default where it has one)");
-  verb->add_flag("--objects", a.objects, "One column an object")->excludes(nodes);
-  verb->callback([arguments] { run(*arguments); });
+  const Verb verb = program.verb("see", "Find which objects are visible from each view cell of a scene");
+  verb.option("SCENE", a.scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
+      .required();
+  verb.output(a.output, "The matrix file to write (.bsp.h5 or .mtx)");
+  verb.option("--seen", a.seen,
+              "Also write the matrix of what is proven to be seen, with its sight lines (sandwich)");
+  verb.option("--producer", a.producer,
+              "How: by shadows, by sampled rays, or by both (sandwich); climbing is for cities of boxes")
+      .one_of({"shadow", "sampled", "sandwich", "climbing"});
+  add_cells_options(verb, a.cells);
+  verb.option("--effort", a.effort,
+              "0: shadows of the whole view cell; 1: also rays, and some patches of the cell's boundary; 2: "
+              "many patches")
+      .between(0, 2);
+  verb.option("--points", a.points, "Number of projection points of a view cell: 1, 9 or 27 (by effort)");
+  verb.option("--patches", a.patches,
+              "Greatest number of patches of a view cell's boundary to look from (by effort)");
+  verb.option("--resolution", a.resolution, "Pixels along a side of each of a view's six faces (by effort)");
+  verb.option("--patch-resolution", a.patch_resolution, "The same for patches (by effort)");
+  verb.option("--rays", a.rays,
+              "Greatest number of aimed rays for each view cell and round (sampled, sandwich)");
+  verb.option("--patch-rays", a.patch_rays, "Number of rays for each patch (sandwich)");
+  verb.option("--directions", a.climbing.directions,
+              "Climbing: number of unaimed directions around each viewpoint in the first pass");
+  verb.option("--viewpoints", a.climbing.origins,
+              "Climbing: number of viewpoints on each edge of a view cell in each pass");
+  verb.option("--passes", a.climbing.passes, "Climbing: greatest number of passes");
+  verb.option("--enough", a.climbing.enough_yield,
+              "Climbing: a view cell is done when a pass adds less than this share of what it sees");
+  verb.option("--seed", a.seed, "Another seed casts other rays");
+  verb.threads(a.threads);
+  const Option nodes =
+      verb.flag("--nodes", a.nodes, "Each column is a node of the scene's tree (the default if it has one)");
+  verb.flag("--objects", a.objects, "Each column is an object").excludes(nodes);
+  verb.note(
+      "shadow lists all that is visible, and perhaps more. sampled and climbing list only what is visible, "
+      "and perhaps not all of it. sandwich gives both: -o has what is not proven to be hidden, --seen what "
+      "is proven to be seen.\n"
+      "A run that was killed continues where it was; 'mpirun -n K vismat see ...' shares the work.");
+  verb.example(
+      "vismat see station.obj --cells grid:4 --eyes 1.5,1.8 -o station.bsp.h5 --seen station.seen.bsp.h5");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

@@ -25,26 +25,25 @@ std::string grouped(std::uint64_t number) {
 std::string summary_of(std::span<const Boundary> boundaries) {
   const BoundaryMap map(boundaries);
   const std::size_t from_outside = map.neighbours(Boundary::outside).size();
-  return grouped(boundaries.size() - from_outside) + " between " + grouped(map.cells()) + " cells, " +
+  return grouped(boundaries.size() - from_outside) + " between " + grouped(map.cells()) + " view cells, " +
          grouped(from_outside) + " from outside";
 }
 
 void print_loss(const Loss& loss) {
   line("visible", grouped(loss.visible) + " entries of " + grouped(loss.visible + loss.hidden()));
-  line("added",
-       grouped(loss.added) + formatted(" entries: %.3f %% of the visible ones; %.3f %% of occlusions lost",
-                                       100 * loss.added_share(), 100 * loss.lost()));
+  line("added", grouped(loss.added) +
+                    formatted(" entries: %.3f %% of the visible ones; %.3f %% of the occlusions are lost",
+                              100 * loss.added_share(), 100 * loss.lost()));
   if (loss.rows.empty()) return;
   std::vector<double> shares(loss.rows.size());
   for (std::uint32_t r = 0; r < shares.size(); ++r) shares[r] = loss.lost_in(r);
   std::ranges::sort(shares);
   const std::uint32_t worst = loss.worst_row();
-  line("a view cell lost",
-       formatted("median %.3f %%, 95 %% of cells at most %.3f %%", 100 * shares[shares.size() / 2],
-                 100 * shares[shares.size() * 95 / 100]));
-  line("worst view cell", std::to_string(worst) + ": " + grouped(loss.rows[worst].added) + " added to " +
-                              grouped(loss.rows[worst].visible) +
-                              formatted(", %.3f %% of its occlusions lost", 100 * loss.lost_in(worst)));
+  line("lost per cell", formatted("median %.3f %%; at most %.3f %% in 95 %% of the view cells",
+                                  100 * shares[shares.size() / 2], 100 * shares[shares.size() * 95 / 100]));
+  line("worst view cell", std::to_string(worst) + ": " + grouped(loss.rows[worst].added) +
+                              " entries added to " + grouped(loss.rows[worst].visible) +
+                              formatted("; %.3f %% of its occlusions are lost", 100 * loss.lost_in(worst)));
 }
 
 }  // namespace vismat::cli

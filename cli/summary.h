@@ -1,4 +1,4 @@
-// Lines of "what: value" that verbs print of a file.
+// Lines of a name and a value, which verbs print about a file.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -26,10 +26,10 @@ std::string formatted(const char* format, Values... values) {
   return text.data();
 }
 
-/// "6 331 between 2 415 cells, 1 from outside"
+/// "6 331 between 2 415 view cells, 1 from outside"
 std::string summary_of(std::span<const Boundary> boundaries);
 
-/// What was added, and where most: lines on stdout.
+/// How many entries were added, and to which view cell the most: lines on stdout.
 void print_loss(const Loss& loss);
 
 }  // namespace vismat::cli

@@ -1,11 +1,13 @@
-// vismat tree: a tree over a matrix's columns or rows, by their boxes or by the rows' sets.
+// vismat tree: builds a tree over a matrix's columns or rows, by their boxes or by the rows' visible sets.
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "cli/verbs.h"
 #include "layout/trees/set_tree.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/geometry/bounding_volume_tree.h"
 
@@ -14,7 +16,7 @@ namespace {
 
 struct Arguments {
   std::string input, output, side = "columns", by = "boxes";
-  unsigned arity = 4;
+  std::optional<unsigned> arity;
   bool nodes = false;
 };
 
@@ -26,26 +28,26 @@ ObjectTree tree_over_columns(const Dataset& dataset, const Arguments& arguments)
   if (dataset.column_bounds.empty()) {
     throw std::invalid_argument(arguments.input + ": its columns have no boxes to build a tree from");
   }
-  return bounding_volume_tree(dataset.column_bounds, arguments.arity);
+  return bounding_volume_tree(dataset.column_bounds, arguments.arity.value_or(4));
 }
 
 ObjectTree tree_over_rows(const Dataset& dataset, const Arguments& arguments) {
   if (!dataset.source.boundaries.empty()) {
-    throw std::invalid_argument(arguments.input +
-                                ": holds differences; a tree over rows is one over view cells, which "
-                                "'vismat deltas --undo' makes of them");
+    throw std::invalid_argument(
+        arguments.input + ": holds differences; restore the view cells with 'vismat deltas --undo' first");
   }
   if (arguments.nodes)
-    throw std::invalid_argument("--nodes makes columns of a tree's nodes; it goes with --side columns");
+    throw std::invalid_argument("--nodes makes a tree's nodes the columns, so it needs --side columns");
   if (arguments.by == "sets") {
-    if (arguments.arity != 2) throw std::invalid_argument("--by sets makes binary trees; leave out --arity");
+    if (arguments.arity.value_or(2) != 2)
+      throw std::invalid_argument("--by sets makes binary trees; leave out --arity");
     return tree_by_sets(dataset.matrix, show_progress);
   }
   if (dataset.row_bounds.empty()) {
     throw std::invalid_argument(arguments.input +
-                                ": its rows have no boxes to build a tree from; --by sets does without");
+                                ": its rows have no boxes to build a tree from; --by sets needs none");
   }
-  return bounding_volume_tree(dataset.row_bounds, arguments.arity);
+  return bounding_volume_tree(dataset.row_bounds, arguments.arity.value_or(2));
 }
 
 void run(const Arguments& arguments) {
@@ -62,32 +64,27 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_tree(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand("tree", "Build a tree over a matrix's columns or rows");
-  verb->footer(
-      "The tree replaces what the file had on that side. Trees over columns are for the codecs zach..., "
-      "binary ones over "
-      "rows for gotsman...\n"
-      "Example: vismat tree koth1.bsp.h5 -o koth1.nodes.bsp.h5 --nodes\n"
-      "Example: vismat tree koth1.bsp.h5 -o koth1.rows.bsp.h5 --side rows --by sets");
-  verb->add_option("IN", arguments->input, "A matrix file")->required();
-  verb->add_option("-o,--output", arguments->output, "The matrix file to write (.bsp.h5)")->required();
-  verb->add_option("--side", arguments->side, "What the tree stands over: columns or rows")
-      ->check(CLI::IsMember({"columns", "rows"}))
-      ->capture_default_str();
-  verb->add_option("--by", arguments->by,
-                   "boxes: median splits of their centres; sets: rows that see the same together")
-      ->check(CLI::IsMember({"boxes", "sets"}))
-      ->capture_default_str();
-  CLI::Option* arity =
-      verb->add_option("--arity", arguments->arity, "Most children a node has; default: 4, over rows 2")
-          ->check(CLI::Range(2u, 1000000u));
-  verb->add_flag("--nodes", arguments->nodes, "Make the tree's nodes the columns");
-  verb->callback([arguments, arity] {
-    if (arity->count() == 0 && arguments->side == "rows") arguments->arity = 2;
-    run(*arguments);
-  });
+void add_tree(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
+  const Verb verb = program.verb("tree", "Build a tree over a matrix's columns or rows");
+  verb.option("IN", arguments->input, "The matrix file to read").required();
+  verb.output(arguments->output, "The matrix file to write (.bsp.h5)");
+  verb.option("--side", arguments->side, "What the tree is built over: columns or rows")
+      .one_of({"columns", "rows"});
+  verb.option("--by", arguments->by,
+              "boxes: split at the median of the boxes' centres; sets: join the rows with the most similar "
+              "visible sets")
+      .one_of({"boxes", "sets"});
+  verb.option("--arity", arguments->arity,
+              "Greatest number of children of a node (default: 4 over columns, 2 over rows)")
+      .between(2, 1000000);
+  verb.flag("--nodes", arguments->nodes, "Make the tree's nodes the columns");
+  verb.note(
+      "The new tree replaces the one that the file had on that side. The zach codecs need a tree over the "
+      "columns; the gotsman codecs need a binary tree over the rows.");
+  verb.example("vismat tree koth1.bsp.h5 -o koth1.nodes.bsp.h5 --nodes");
+  verb.example("vismat tree koth1.bsp.h5 -o koth1.rows.bsp.h5 --side rows --by sets");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

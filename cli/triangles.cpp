@@ -1,4 +1,4 @@
-// vismat triangles: how many triangles a viewer draws, cell by cell.
+// vismat triangles: counts the triangles that are drawn from each view cell.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -11,6 +11,7 @@
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/parallel.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/any_scene.h"
@@ -44,7 +45,7 @@ void run(const Arguments& arguments) {
   const Dataset dataset = read_dataset(arguments.matrix);
   const Shape shape = dataset.matrix.shape(), right = {file.cells.count(), file.scene.object_count};
   if (dataset.source.columns_are_nodes || !dataset.source.boundaries.empty() || shape != right) {
-    throw std::invalid_argument(arguments.matrix + ": need a matrix of the scene's " +
+    throw std::invalid_argument(arguments.matrix + ": the matrix must be of the scene's " +
                                 std::to_string(right.rows) + " view cells x " +
                                 std::to_string(right.columns) + " objects");
   }
@@ -74,34 +75,31 @@ void run(const Arguments& arguments) {
     write_file(arguments.table, std::as_bytes(std::span(text)));
   }
   line("triangles of the scene", grouped(file.scene.object_of_triangle.size()));
-  line("visible objects a cell", spread(counts, &Counts::objects));
+  line("visible objects per cell", spread(counts, &Counts::objects));
   line("their triangles", spread(counts, &Counts::full));
   line("at their level of detail", spread(counts, &Counts::at_level));
-  line("less back faces", spread(counts, &Counts::facing));
+  line("without back faces", spread(counts, &Counts::facing));
 }
 
 }  // namespace
 
-void add_triangles(CLI::App& app) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = app.add_subcommand(
-      "triangles", "How many triangles are drawn from each view cell, at levels of detail");
-  verb->footer(
-      "Each visible object at the coarsest level that no pixel shows from anywhere in the cell, without "
-      "clusters that\n"
-      "turn their backs on all of it [Chhugani et al. 2005, sections 4 and 5].\n"
-      "Example: vismat triangles dense8.scene.h5 dense8.bsp.h5 --width 1280 --height 1024");
-  verb->add_option("SCENE", arguments->scene, "A scene file, .scene.h5")->required();
-  verb->add_option("MATRIX", arguments->matrix, "What its view cells see, over its objects")->required();
-  const auto add = [&](const char* name, auto& value, const char* help) {
-    verb->add_option(name, value, help)->capture_default_str();
-  };
-  add("--width", arguments->screen.width, "Of the picture, pixels");
-  add("--height", arguments->screen.height, "Of the picture, pixels");
-  add("--field-of-view", arguments->screen.field_of_view, "Degrees, along the width");
-  add("--threads", arguments->threads, "0: one a core; the result is the same for any number");
-  verb->add_option("-o,--output", arguments->table, "The counts of each cell as a table, .csv");
-  verb->callback([arguments] { run(*arguments); });
+void add_triangles(Program& program) {
+  const auto arguments = std::make_shared<Arguments>();
+  const Verb verb = program.verb(
+      "triangles", "Count the triangles that are drawn from each view cell, with levels of detail");
+  verb.option("SCENE", arguments->scene, "The scene file (.scene.h5)").required();
+  verb.option("MATRIX", arguments->matrix, "The matrix of its view cells and objects").required();
+  verb.option("--width", arguments->screen.width, "Width of the picture in pixels");
+  verb.option("--height", arguments->screen.height, "Height of the picture in pixels");
+  verb.option("--field-of-view", arguments->screen.field_of_view, "Horizontal field of view in degrees");
+  verb.threads(arguments->threads);
+  verb.option("-o,--output", arguments->table, "Also write the counts of each view cell as a table (.csv)");
+  verb.note(
+      "Each visible object is counted at the coarsest level of detail whose error stays below a pixel from "
+      "everywhere in the view cell, without the clusters of triangles that face away from all of the cell "
+      "[Chhugani et al. 2005, sections 4 and 5].");
+  verb.example("vismat triangles dense8.scene.h5 dense8.bsp.h5 --width 1280 --height 1024");
+  verb.runs([arguments] { run(*arguments); });
 }
 
 }  // namespace vismat::cli

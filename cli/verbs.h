@@ -1,29 +1,32 @@
-// Each verb adds itself to the program: its options, its help with an example, and what it does.
+// Each verb adds itself to the program: its options, its help with an example, and what it runs.
 #pragma once
-#include <CLI/CLI.hpp>
+
+namespace vismat {
+class Program;
+}
 
 namespace vismat::cli {
 
-void add_import(CLI::App& app);
-void add_city(CLI::App& app);
-void add_dense_city(CLI::App& app);
-void add_plant(CLI::App& app);
-void add_cells(CLI::App& app);
-void add_generate(CLI::App& app);
-void add_scene(CLI::App& app);
-void add_see(CLI::App& app);
-void add_triangles(CLI::App& app);
-void add_tree(CLI::App& app);
-void add_order(CLI::App& app);
-void add_deltas(CLI::App& app);
-void add_merge(CLI::App& app);
-void add_verify(CLI::App& app);
-void add_encode(CLI::App& app);
-void add_decode(CLI::App& app);
-void add_compare(CLI::App& app);
-void add_row(CLI::App& app);
-void add_node(CLI::App& app);
-void add_convert(CLI::App& app);
-void add_info(CLI::App& app);
+void add_import(Program& program);
+void add_city(Program& program);
+void add_dense_city(Program& program);
+void add_plant(Program& program);
+void add_cells(Program& program);
+void add_generate(Program& program);
+void add_scene(Program& program);
+void add_see(Program& program);
+void add_triangles(Program& program);
+void add_tree(Program& program);
+void add_order(Program& program);
+void add_deltas(Program& program);
+void add_merge(Program& program);
+void add_verify(Program& program);
+void add_encode(Program& program);
+void add_decode(Program& program);
+void add_compare(Program& program);
+void add_row(Program& program);
+void add_node(Program& program);
+void add_convert(Program& program);
+void add_info(Program& program);
 
 }  // namespace vismat::cli

@@ -1,5 +1,5 @@
-// verify: the proof, row by row, that a lossy matrix hides nothing that its original shows; and proofs, entry by entry, that a
-// matrix shows and hides what its scene does.
+// vismat verify: proves row by row that a lossy matrix hides nothing that its original shows, or checks entries of a matrix against
+// its scene.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -12,6 +12,7 @@
 #include "cli/vmat_files.h"
 #include "matrix/dataset.h"
 #include "matrix/loss.h"
+#include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/exact/audit.h"
 #include "visibility/scene_file.h"
@@ -40,7 +41,7 @@ void against_original(const Options& options) {
                              " visible entries, the first in row " + std::to_string(loss.first_missing->row) +
                              ", column " + std::to_string(loss.first_missing->column));
   }
-  line("verified", "row by row, nothing visible is hidden");
+  line("verified", "row by row: nothing visible is hidden");
   print_loss(loss);
 }
 
@@ -68,8 +69,8 @@ void against_scene(const Options& options) {
   print_side("seen", audit.seen);
   print_side("hidden", audit.hidden);
   if (audit.seen.aimed_again > 0) {
-    line("aimed again",
-         grouped(audit.seen.aimed_again) + " sight lines, which pass an edge closer than rounding");
+    line("aimed again", grouped(audit.seen.aimed_again) +
+                            " sight lines, which pass closer to an edge than the rounding error");
   }
   for (const auto& [side, claim] : {std::pair(&audit.seen, "seen"), std::pair(&audit.hidden, "hidden")}) {
     if (!side->first_not_confirmed) continue;
@@ -79,42 +80,43 @@ void against_scene(const Options& options) {
   }
 }
 
+void run(const Options& options) {
+  if (!options.scene.empty()) {
+    against_scene(options);
+  } else if (!options.original.empty()) {
+    against_original(options);
+  } else {
+    throw std::invalid_argument("name the ORIGINAL matrix, or a scene with --witness");
+  }
+}
+
 }  // namespace
 
-void add_verify(CLI::App& app) {
+void add_verify(Program& program) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  const Verb verb = program.verb(
       "verify",
       "Prove that a lossy matrix hides nothing that its original shows, or check a matrix against its scene");
-  verb->add_option("MATRIX", options->matrix, "The matrix in question: .bsp.h5, .mtx or .vmat")->required();
-  CLI::Option* original =
-      verb->add_option("ORIGINAL", options->original, "What it was made of: .bsp.h5, .mtx or .vmat");
-  CLI::Option* scene =
-      verb->add_option("--witness", options->scene,
-                       "Check entries against this scene file, by sight lines and occluders, exactly");
-  scene->excludes(original);
-  const auto add = [&](const char* name, auto& value, const char* help) {
-    verb->add_option(name, value, help)->capture_default_str()->needs(scene);
-  };
-  add("--samples", options->audit.entries,
-      "Entries to check, of those that say seen and of those that say hidden");
-  add("--points", options->audit.points, "Points of each object that is said to be hidden");
-  add("--seed", options->audit.seed, "Another seed, other entries");
-  verb->footer(
-      "Exit 0: every visible entry is still there, or every checked entry is confirmed. Exit 1: some are "
-      "not; the first is\n"
-      "named.\n"
-      "Example: vismat verify merged.bsp.h5 city.bsp.h5\n"
-      "         vismat verify city.bsp.h5 --witness city.scene.h5");
-  verb->callback([options] {
-    if (!options->scene.empty()) {
-      against_scene(*options);
-    } else if (!options->original.empty()) {
-      against_original(*options);
-    } else {
-      throw std::invalid_argument("verify: name the ORIGINAL matrix, or a scene with --witness");
-    }
-  });
+  verb.option("MATRIX", options->matrix, "The matrix to verify (.bsp.h5, .mtx or .vmat)").required();
+  const Option original =
+      verb.option("ORIGINAL", options->original, "The matrix that it was made from (.bsp.h5, .mtx or .vmat)");
+  const Option scene =
+      verb.option("--witness", options->scene,
+                  "Check entries against this scene file, by sight lines and occluders, in exact arithmetic")
+          .excludes(original);
+  verb.option("--samples", options->audit.entries,
+              "Number of entries to check among those said to be seen, and among those said to be hidden")
+      .needs(scene);
+  verb.option("--points", options->audit.points,
+              "Number of points to check of each object that is said to be hidden")
+      .needs(scene);
+  verb.option("--seed", options->audit.seed, "Another seed checks other entries").needs(scene);
+  verb.note(
+      "The exit code is 0 if every visible entry is still there, or every checked entry is confirmed. "
+      "Otherwise it is 1, and the first entry that failed is named.");
+  verb.example("vismat verify merged.bsp.h5 city.bsp.h5");
+  verb.example("vismat verify city.bsp.h5 --witness city.scene.h5");
+  verb.runs([options] { run(*options); });
 }
 
 }  // namespace vismat::cli

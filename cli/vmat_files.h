@@ -1,4 +1,4 @@
-// Matrix files and `.vmat` files alike, for the verbs that read either.
+// Reads matrix files and `.vmat` files for the verbs that take either.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace vismat::cli {
 
-/// What work() gives; a FormatError that it throws names the file, or the level in it.
+/// Returns what work() returns; a FormatError that it throws then names the file, or the level in it.
 template <typename Work>
 auto naming(const std::filesystem::path& where, const Work& work) {
   try {
@@ -19,12 +19,11 @@ auto naming(const std::filesystem::path& where, const Work& work) {
   }
 }
 
-/// The facts that Container keeps, a line each.
+/// The facts that Container keeps, one on each line.
 std::string facts_of(const Dataset& data);
-/// Calls work with the container of the file; what goes wrong names the file.
+/// Calls work with the container of the file; an error names the file.
 void with_container(const std::filesystem::path& path, const std::function<void(const Container&)>& work);
-/// All that a `.vmat` file holds, as it is stored; with `boxes` of a dataset, for codecs that code under them. Throws as
-/// read_dataset does.
+/// All that a `.vmat` file holds, in its stored order. `boxes` are for codecs that encode with them. Throws as read_dataset does.
 Dataset read_vmat(const std::filesystem::path& path, const Side& boxes = {});
 /// The same of a file of version 3 or of today's.
 Dataset read_vmat_of_any_version(const std::filesystem::path& path, const Side& boxes = {});

@@ -57,6 +57,26 @@ bool has_default(const Value& value) {
   return true;
 }
 
+/// 0.25, 1000000
+std::string short_form(double number) {
+  std::ostringstream text;
+  text.precision(10);
+  text << number;
+  return text.str();
+}
+
+/// Refuses what is no number or not `good`. Help shows `kind` after the option's name.
+CLI::Validator number_check(const std::string& kind, const std::string& fault,
+                            std::function<bool(double)> good) {
+  return CLI::Validator(
+      [=](const std::string& text) {
+        double value = 0;
+        const bool fine = CLI::detail::lexical_cast(text, value) && good(value);
+        return fine ? std::string() : "Value " + text + " " + fault;
+      },
+      kind);
+}
+
 }  // namespace
 
 Option Option::required() const {
@@ -69,28 +89,20 @@ Option Option::one_of(std::initializer_list<const char*> words) const {
   return *this;
 }
 
-Option Option::between(int low, int high) const {
-  option_->check(CLI::Range(low, high));
-  return *this;
-}
-
-Option Option::between(unsigned low, unsigned high) const {
-  option_->check(CLI::Range(low, high));
-  return *this;
-}
-
 Option Option::between(double low, double high) const {
-  option_->check(CLI::Range(low, high));
+  const std::string range = short_form(low) + " to " + short_form(high);
+  option_->check(number_check(range, "not in range " + range,
+                              [=](double value) { return value >= low && value <= high; }));
   return *this;
 }
 
 Option Option::positive() const {
-  option_->check(CLI::PositiveNumber);
+  option_->check(number_check("above 0", "not above 0", [](double value) { return value > 0; }));
   return *this;
 }
 
 Option Option::not_negative() const {
-  option_->check(CLI::NonNegativeNumber);
+  option_->check(number_check("0 or more", "below 0", [](double value) { return value >= 0; }));
   return *this;
 }
 
@@ -148,7 +160,8 @@ Option Verb::flag(const std::string& name, bool& value, const std::string& help)
 }
 
 Option Verb::threads(unsigned& value) const {
-  return option("--threads", value, "0: one a core; the result is the same for any number");
+  return option("--threads", value,
+                "Number of threads; 0: one per core. The result is the same for any number");
 }
 
 Verb Verb::note(const std::string& text) const {
@@ -205,6 +218,11 @@ int Program::run(int argc, char** argv) {
     app_->parse(argc, argv);
   } catch (const CLI::Success& help) {
     return app_->exit(help);
+  } catch (const CLI::RequiredError& error) {
+    if (!app_->get_subcommands().empty()) return fail(error.what());
+    const bool word = argc > 1 && argv[1][0] != '-';
+    const std::string what = word ? "there is no verb '" + std::string(argv[1]) + "'" : "name a verb";
+    return fail((what + "; '" + name_ + " --help' lists them").c_str());
   } catch (const std::bad_alloc&) {
     return fail("not enough memory");
   } catch (const std::exception& error) {

@@ -18,9 +18,7 @@ class Option {
  public:
   Option required() const;
   Option one_of(std::initializer_list<const char*> words) const;
-  Option between(int low, int high) const;  // the bounds have the value's type; help and errors name them
-  Option between(unsigned low, unsigned high) const;
-  Option between(double low, double high) const;
+  Option between(double low, double high) const;  // both inclusive
   Option positive() const;
   Option not_negative() const;
   Option size_in_bytes() const;    // 12G is 12 * 2^30
@@ -49,7 +47,7 @@ class Verb {
   Option output(Value& value, const std::string& help) const {
     return option("-o,--output", value, help).required();
   }
-  /// --threads; 0 takes one a core.
+  /// --threads; 0 takes one per core.
   Option threads(unsigned& value) const;
 
   /// A paragraph below the options; line breaks in it stay, long lines are broken.

@@ -1,0 +1,109 @@
+// vismat encode: compresses a matrix into a .vmat file.
+#include <cstdio>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "cli/verbs.h"
+#include "cli/vmat_files.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/bitmap.h"
+#include "codecs/vmat/container.h"
+#include "matrix/base/atomic_file.h"
+#include "matrix/files/dataset_file.h"
+#include "programs/options.h"
+#include "programs/prepared_for.h"
+#include "programs/progress.h"
+
+namespace vismat::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path in, out;
+  std::string codec = "delimiter", order = "greedy";
+  EncodeOptions encode;
+};
+
+void print_sizes(const Options& options, const Container& container, std::span<const std::byte> file) {
+  const std::size_t payload = container.encoded.payload.size(), index = container.encoded.index.size();
+  const std::uint64_t bitmap = bitmap_size(container.shape);
+  std::printf("%s: %zu bytes of payload, %.2fx smaller than the bitmap's %llu", options.out.c_str(), payload,
+              static_cast<double>(bitmap) / static_cast<double>(payload),
+              static_cast<unsigned long long>(bitmap));
+  if (index > 0) std::printf("; index %zu bytes", index);
+  const ContainerHead head(file);
+  const auto tell = [&](const char* what, std::initializer_list<vmat::Section> sections) {
+    std::size_t bytes = 0;
+    for (const vmat::Section section : sections) bytes += head.section(section).size();
+    if (bytes > 0) std::printf("; %s %zu bytes", what, bytes);
+  };
+  using S = vmat::Section;
+  tell("trees", {S::tree, S::row_tree});
+  tell("orders", {S::row_order, S::column_order, S::shared_order});
+  tell("groups", {S::row_groups, S::column_groups});
+  tell("names", {S::row_names, S::column_names, S::column_levels});
+  std::printf("\n");
+}
+
+void run(Options options) {
+  const Codec& codec = find_codec(options.codec);
+  if (options.encode.seconds > 0 && !codec.searches)
+    throw std::invalid_argument("--seconds is for codecs that search; '" + options.codec + "' does not");
+  if (options.encode.effort > codec.highest_effort) {
+    throw std::invalid_argument(
+        "--effort " + std::to_string(options.encode.effort) + ": '" + options.codec + "' has " +
+        (codec.highest_effort == 0 ? "only 0" : "0 to " + std::to_string(codec.highest_effort)));
+  }
+  Dataset data = read_dataset(options.in);
+  if (const std::string why = obstacle(codec, data); !why.empty())
+    throw std::invalid_argument(options.in.string() + ": " + why);
+  const bool were_differences = !data.source.boundaries.empty();
+  data = prepared_for(codec, std::move(data), {.orders = options.order == "greedy", .stages = show_progress});
+  if (were_differences && data.source.boundaries.empty()) {
+    std::printf(
+        "The rows are differences between view cells, which their places identify. They were reordered, so "
+        "the boundaries are left out; --rows natural keeps them.\n");
+  }
+  if (codec.slow_encode) options.encode.progress = show_progress("encoding");
+  Container container = compress(data, codec, options.encode);
+  container.facts = facts_of(data);
+  const auto file = write_container(container);
+  write_file(options.out, file);
+  print_sizes(options, container, file);
+}
+
+std::string codec_names() {
+  std::string names;
+  for (const Codec& codec : all_codecs()) names += (names.empty() ? "" : ", ") + std::string(codec.name);
+  return names;
+}
+
+}  // namespace
+
+void add_encode(Program& program) {
+  const auto options = std::make_shared<Options>();
+  const Verb verb = program.verb("encode", "Compress a matrix into a .vmat file");
+  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.output(options->out, "The .vmat file to write");
+  verb.option("--codec", options->codec, "One of " + codec_names());
+  verb.option("--rows", options->order,
+              "The order of the rows for the codecs that profit from one (zach3, zach4): greedy, or natural "
+              "(as in the matrix file)")
+      .one_of({"greedy", "natural"});
+  verb.option("--seconds", options->encode.seconds,
+              "Time that codecs which search (panne) spend; the result then depends on the machine. 0: until "
+              "little is gained, with the same result everywhere")
+      .not_negative();
+  verb.option("--effort", options->encode.effort,
+              "For codecs with several levels of effort (gotsman3-context): 0 to 2; each level learns from "
+              "four times as much");
+  verb.threads(options->encode.threads);
+  verb.option("--seed", options->encode.seed, "Random seed of the codecs that search");
+  verb.example("vismat encode city32.bsp.h5 --codec zach3-range -o city32.vmat");
+  verb.runs([options] { run(*options); });
+}
+
+}  // namespace vismat::cli

@@ -1,0 +1,84 @@
+// vismat row: decodes one row of a .vmat file without the rest.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/verbs.h"
+#include "codecs/baselines/baseline_codecs.h"
+#include "codecs/rows/pairs.h"
+#include "codecs/vmat/row_reader.h"
+#include "programs/options.h"
+
+namespace vismat::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path in;
+  std::uint32_t row = 0;
+  bool as_stored = false, runs = false;
+};
+
+void run(const Options& options) {
+  const RowReader reader(options.in, all_codecs());
+  const Shape shape = reader.shape();
+  SourceMap source = reader.source();
+  if (options.as_stored) source = {};
+  if (!source.boundaries.empty()) {  // these are of the view cells, not of the lists
+    source.row_order.reset();
+    source.row_groups.reset();
+  }
+  std::uint32_t row = options.row;
+  if (const std::uint32_t rows = source.row_groups ? source.row_groups->size() : shape.rows; row >= rows) {
+    throw std::invalid_argument(options.in.string() + ": no row " + std::to_string(row) + "; it has " +
+                                std::to_string(rows));
+  }
+  if (source.row_order) row = source.row_order->new_of_old()[row];
+  if (source.row_groups) row = source.row_groups->group_of_member()[row];
+  RowBuffer<std::uint32_t> buffer;
+  const auto stored = reader.ids(row, buffer);
+  std::vector<std::uint32_t> ids(stored.begin(), stored.end());
+  if (source.column_order) {
+    const auto source_of = source.column_order->old_of_new();
+    for (std::uint32_t& id : ids) id = source_of[id];
+  }
+  if (source.column_groups) {
+    const VisibilityMatrix members = source.column_groups->members();
+    for (const std::uint32_t id : std::exchange(ids, {}))
+      ids.insert(ids.end(), members.row(id).begin(), members.row(id).end());
+  }
+  std::sort(ids.begin(), ids.end());
+  if (options.runs) {
+    for_each_run(ids, [](std::uint32_t first, std::uint32_t count) {
+      std::printf("%u %u\n", first, first + count - 1);
+    });
+  } else {
+    for (const std::uint32_t id : ids) std::printf("%u\n", id);
+  }
+  const RowSource::Cost cost = reader.cost(row);
+  std::fprintf(stderr, "row %u: %zu of %u visible, %llu bytes", options.row, ids.size(),
+               source.source_shape(shape).columns, static_cast<unsigned long long>(cost.bytes));
+  if (cost.parts != 1) std::fprintf(stderr, " of %llu parts", static_cast<unsigned long long>(cost.parts));
+  std::fprintf(stderr, "\n");
+}
+
+}  // namespace
+
+void add_row(Program& program) {
+  const auto options = std::make_shared<Options>();
+  const Verb verb = program.verb("row", "Decode one row of a .vmat file without the rest");
+  verb.option("FILE", options->in, "A .vmat file of a codec that decodes single rows").required();
+  verb.option("ROW", options->row, "The number of the row; 0 is the first").required();
+  verb.flag("--as-stored", options->as_stored,
+            "Number rows and columns as in the .vmat file, not as in its source");
+  verb.flag("--runs", options->runs,
+            "Print one line for each run of column numbers, the first and the last, not one for each number");
+  verb.example("vismat row city32.vmat 17");
+  verb.runs([options] { run(*options); });
+}
+
+}  // namespace vismat::cli

@@ -1,0 +1,116 @@
+#include "tests/cli/program_fixture.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <thread>
+#include <vector>
+
+#include "matrix/files/dataset_file.h"
+
+namespace vismat {
+namespace {
+
+std::string contents_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+Finished Program::vismat(const std::string& words, std::chrono::microseconds patience) const {
+  const TemporaryFolder told;
+  const std::string out = told / "out", error = told / "error", work = folder / "";
+  std::istringstream split(words);
+  std::vector<std::string> all = {VISMAT_PROGRAM};
+  all.insert(all.end(), std::istream_iterator<std::string>(split), {});
+  std::vector<char*> arguments;
+  for (std::string& word : all) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setpgid(0, 0);
+    ::dup2(::open(out.c_str(), O_CREAT | O_WRONLY, 0600), STDOUT_FILENO);
+    ::dup2(::open(error.c_str(), O_CREAT | O_WRONLY, 0600), STDERR_FILENO);
+    if (::chdir(work.c_str()) == 0) ::execv(arguments[0], arguments.data());
+    ::_exit(127);
+  }
+  ::setpgid(child, child);  // whichever of the two is first
+  if (patience.count() > 0) {
+    std::this_thread::sleep_for(patience);
+    ::kill(-child, SIGINT);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents_of(out), contents_of(error)};
+}
+
+Finished Program::vismat_succeeds(const std::string& words) const {
+  const Finished run = vismat(words);
+  EXPECT_EQ(run.code, 0) << "vismat " << words << "\n" << run.error;
+  return run;
+}
+
+void Program::expect_refusal(const std::string& words, const std::string& why) const {
+  const std::size_t files = folder.entries();
+  const Finished run = vismat(words);
+  SCOPED_TRACE("vismat " + words + "\n" + run.out + run.error);
+  EXPECT_EQ(run.code, 1);
+  EXPECT_EQ(run.out, "");
+  EXPECT_TRUE(run.error.starts_with("vismat: "));
+  EXPECT_TRUE(contains(run.error, why)) << why;
+  EXPECT_EQ(count_lines(run.error), 1u);
+  EXPECT_EQ(folder.entries(), files) << "left a file";
+}
+
+void Program::write(const std::string& file, const std::string& text) const {
+  std::ofstream(folder / file) << text;
+}
+void Program::write(const std::string& file, const Dataset& dataset) const {
+  write_dataset(folder / file, dataset);
+}
+std::string Program::contents(const std::string& file) const {
+  return contents_of(folder / file);
+}
+Dataset Program::dataset(const std::string& file) const {
+  return read_dataset(folder / file);
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::size_t count_lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+Dataset ring_of_clusters(std::uint32_t count) {
+  Dataset dataset;
+  std::vector<std::vector<std::uint32_t>> rows(count);
+  for (std::uint32_t r = 0; r < count; ++r) {
+    const auto at = static_cast<float>(r * 7 % count);
+    dataset.row_bounds.push_back({{at, 0, 0}, {at + 1, 1, 1}});
+    for (std::uint32_t c = 0; c < count; ++c) {
+      const std::uint32_t apart = (c * 7 % count + count - r * 7 % count) % count;
+      if (apart < 9 || apart > count - 9) rows[r].push_back(c);
+    }
+  }
+  dataset.column_bounds = dataset.row_bounds;
+  dataset.matrix = VisibilityMatrix::from_rows(rows, count);
+  dataset.guarantee = Guarantee::exact;
+  return dataset;
+}
+
+std::string printed_row(const VisibilityMatrix& matrix, std::uint32_t row) {
+  std::string ids;
+  for (const std::uint32_t id : matrix.row(row)) ids += std::to_string(id) + "\n";
+  return ids;
+}
+
+}  // namespace vismat
