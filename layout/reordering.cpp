@@ -20,45 +20,47 @@ namespace vismat {
 namespace {
 
 constexpr std::array<Reordering, 12> table = {{
-    {"identity", "as they stand",
+    {"identity", "as in the matrix file",
      [](const VisibilityMatrix& m, const ReorderingOptions&) {
        return Permutation::identity(m.shape().columns);
      }},
-    {"random", "what the papers measure against",
+    {"random", "a random order, as a baseline",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return random_order(m.shape().columns, o.seed);
      }},
     {"lexicographic", "sorted as bit strings",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return lexicographic_order(m); }},
-    {"morton", "a Z-order curve through the boxes' centres",
+    {"morton", "along a Z-order curve through the centres of the boxes",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        if (o.column_bounds.size() != m.shape().columns)
          throw std::invalid_argument("morton needs a box for each column, which this matrix lacks");
        return morton_order(o.column_bounds);
      }},
-    {"greedy", "always the most similar next [Zach & Karner 2003]",
+    {"greedy", "the most similar column is always next [Zach & Karner 2003]",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return order_rows_greedily(transpose(m), begin_stage(o.stages, "greedy order"));
      }},
-    {"exact-tour", "nearest unvisited neighbour from the zero point on",
+    {"exact-tour", "a tour from the empty column, always to the nearest unvisited one",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_by_exact_tour(m); }},
-    {"sampled-tour", "nearest of a sample, then edge flips [Chhugani et al. 2005]",
+    {"sampled-tour",
+     "a tour to the nearest of a random sample, improved by edge flips [Chhugani et al. 2005]",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return order_by_sampled_tour(m, {.seed = o.seed, .stages = o.stages}, o.threads);
      }},
-    {"flann-tour", "polished tour among columns that FLANN finds near; another at each call",
+    {"flann-tour", "a polished tour among the near columns that FLANN finds, which differ at each call",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return order_by_flann_tour(m, {}, {.kicks_per_point = 20, .seed = o.seed, .seconds = o.seconds},
                                   o.threads);
      }},
-    {"scale-tour", "greedy edges among columns found by min-hash, 3-opt, kicks: for 10^5 columns",
+    {"scale-tour",
+     "for 10^5 columns: greedy edges among near columns that min-hash finds, improved by 3-opt and kicks",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return order_by_scale_tour(m, {.nearby = {.seed = o.seed, .stages = o.stages}, .seconds = o.seconds},
                                   o.threads);
      }},
     {"bisection", "recursive graph bisection [Dhulipala et al. 2016]",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_by_bisection(m); }},
-    {"polished-tour", "greedy edge, 3-opt, then kicks by segment insertion",
+    {"polished-tour", "greedy edges, improved by 3-opt, then by kicks, which move random segments",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        PolishedTourOptions options;
        options.polish.seed = o.seed;
@@ -67,7 +69,8 @@ constexpr std::array<Reordering, 12> table = {{
        return order_by_polished_tour(m, options, o.threads);
      }},
     {"best",
-     "the one to take: the shorter of two polished tours, at scale scale-tour; never worse than identity",
+     "recommended: the shorter of two polished tours, or scale-tour for many columns; never worse than "
+     "identity",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return best_order(m, {.seed = o.seed, .seconds = o.seconds, .threads = o.threads, .stages = o.stages});
      }},

@@ -14,9 +14,9 @@ namespace {
 constexpr double rows_share = 0.5;
 
 constexpr std::array table = {
-    Grouping{"seeds", "best partner of random seeds, Zach & Karner 2003",
+    Grouping{"seeds", "merge random members with their best partners [Zach & Karner 2003]",
              [](const VisibilityMatrix& m, const GroupingOptions& o) { return group_rows_by_seeds(m, o); }},
-    Grouping{"pairs", "best of all pairs, then rows move to better groups",
+    Grouping{"pairs", "merge the best of all pairs, then move members to better groups",
              [](const VisibilityMatrix& m, const GroupingOptions& o) { return group_rows_by_pairs(m, o); }},
 };
 
@@ -32,7 +32,7 @@ const Grouping& find_grouping(std::string_view name) {
     if (grouping.name == name) return grouping;
     names += (names.empty() ? "" : ", ") + std::string(grouping.name);
   }
-  throw std::invalid_argument("'" + std::string(name) + "' is no grouping; must be one of " + names);
+  throw std::invalid_argument("'" + std::string(name) + "' is no grouping method; there are " + names);
 }
 
 MergeGroups group_sides(const VisibilityMatrix& matrix, MergeSide side, const Grouping& grouping,
