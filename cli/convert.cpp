@@ -1,4 +1,4 @@
-// vismat convert: a matrix from one file format to the other.
+// vismat convert: converts a matrix from one file format to the other.
 #include <filesystem>
 #include <memory>
 

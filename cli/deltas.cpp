@@ -34,11 +34,13 @@ std::string known_neighbours(const Dataset& cells) {
 VisibilityMatrix neighbours_by(const std::string& method, const Dataset& cells) {
   if (method == "given") {
     if (!cells.row_neighbours)
-      throw std::invalid_argument("does not say which rows touch; use boxes or tree");
+      throw std::invalid_argument(
+          "does not say which view cells are neighbours; use --neighbours boxes or tree");
     return *cells.row_neighbours;
   }
   if (method == "tree") return nearest_tree(cells.matrix, show_progress("nearest rows"));
-  if (cells.row_bounds.empty()) throw std::invalid_argument("has no boxes of its rows; use tree");
+  if (cells.row_bounds.empty())
+    throw std::invalid_argument("has no boxes for its rows; use --neighbours tree");
   return touching_boxes(cells.row_bounds);
 }
 

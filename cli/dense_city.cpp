@@ -1,4 +1,4 @@
-// vismat dense-city: a made-up city in fine triangles as a scene file.
+// vismat dense-city: makes a city of small triangles as a scene file.
 #include "visibility/generators/dense_city.h"
 
 #include <cstdio>

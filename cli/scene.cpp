@@ -36,7 +36,7 @@ void run(Arguments arguments) {
   tell(static_cast<std::uint64_t>(std::count(scene.see_through.begin(), scene.see_through.end(), 1)),
        "see-through objects");
   tell(welded.zero_area, "triangles without area left out");
-  tell(welded.duplicates, "double triangles left out");
+  tell(welded.duplicates, "duplicate triangles left out");
   tell(welded.non_manifold_edges, "edges with more than two triangles");
   std::printf("\n");
 }

@@ -1,4 +1,4 @@
-// vismat see: any triangles to a visibility matrix.
+// vismat see: makes a visibility matrix from any triangles.
 #include <algorithm>
 #include <cstdio>
 #include <memory>

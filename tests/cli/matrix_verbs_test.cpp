@@ -180,8 +180,9 @@ TEST_F(Program, RefusesDifferencesThatCannotBe) {
   const auto refuses = [&](const std::string& words, const std::string& why) {
     expect_refusal("deltas " + words, why);
   };
-  refuses("in.bsp.h5 -o out.bsp.h5 --neighbours given", "in.bsp.h5: does not say which rows touch");
-  refuses("bare.mtx -o out.bsp.h5 --neighbours boxes", "bare.mtx: has no boxes of its rows");
+  refuses("in.bsp.h5 -o out.bsp.h5 --neighbours given",
+          "in.bsp.h5: does not say which view cells are neighbours");
+  refuses("bare.mtx -o out.bsp.h5 --neighbours boxes", "bare.mtx: has no boxes for its rows");
   refuses("in.bsp.h5 -o out.mtx", "out.mtx: Matrix Market has no place for the boundaries");
   refuses("in.bsp.h5 -o no/folder.bsp.h5", "no/folder.bsp.h5");
   refuses("deltas.bsp.h5 -o out.bsp.h5", "deltas.bsp.h5: holds differences already");

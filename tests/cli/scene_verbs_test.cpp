@@ -14,9 +14,10 @@ TEST_F(Program, MakesScenesOfMeshes) {
         "f 5 6 7\nf 7 6 5\nf 1 1 2\n");
   write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n");
   write("flat.OBJ", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
-  EXPECT_EQ(vismat_succeeds("scene two.obj --scale 0.01 --up y -o two.scene.h5").out,
-            "two.scene.h5: 2 objects, 3 triangles, 7 vertices; 1 triangles without area left out; 1 double "
-            "triangles left out\n");
+  EXPECT_EQ(
+      vismat_succeeds("scene two.obj --scale 0.01 --up y -o two.scene.h5").out,
+      "two.scene.h5: 2 objects, 3 triangles, 7 vertices; 1 triangles without area left out; 1 duplicate "
+      "triangles left out\n");
   const std::string info = vismat("info two.scene.h5").out;
   EXPECT_TRUE(contains(info, "two.obj, 0.01 m a unit, y up, objects are connected components")) << info;
   EXPECT_EQ(vismat("scene two.scene.h5 --objects one-a-triangle -o three.scene.h5").out,
