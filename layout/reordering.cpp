@@ -53,14 +53,15 @@ constexpr std::array<Reordering, 12> table = {{
                                   o.threads);
      }},
     {"scale-tour",
-     "for 10^5 columns: greedy edges among near columns that min-hash finds, improved by 3-opt and kicks",
+     "for 10^5 columns: greedy edges among near columns that min-hash finds, improved by 3-opt and by moving "
+     "random segments",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return order_by_scale_tour(m, {.nearby = {.seed = o.seed, .stages = o.stages}, .seconds = o.seconds},
                                   o.threads);
      }},
     {"bisection", "recursive graph bisection [Dhulipala et al. 2016]",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_by_bisection(m); }},
-    {"polished-tour", "greedy edges, improved by 3-opt, then by kicks, which move random segments",
+    {"polished-tour", "greedy edges, improved by 3-opt and by moving random segments",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        PolishedTourOptions options;
        options.polish.seed = o.seed;

@@ -16,13 +16,14 @@ namespace {
 constexpr std::size_t help_indent = 34, help_width = 110;
 const std::string example_mark = "Example: ";
 
-/// Lines of at most `width` characters, broken at blanks; those that begin with blanks go on indented as far.
+/// Lines of at most `width` characters, broken at blanks; those that begin with blanks continue two further in.
 std::string wrapped(const std::string& text, std::size_t width) {
   std::istringstream lines(text);
   std::string result;
   for (std::string line; std::getline(lines, line);) {
     if (!result.empty()) result += '\n';
-    const std::string indent(std::min(line.find_first_not_of(' '), line.size()), ' ');
+    const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
+    const std::string indent(first == 0 ? 0 : first + 2, ' ');
     while (line.size() > width) {
       const std::size_t blank = line.rfind(' ', width);
       if (blank == std::string::npos || blank <= indent.size()) break;
