@@ -1,4 +1,5 @@
-// What a codec is: matrix to bytes and back. own_codecs() is the table of ours; tests, benchmarks and the program loop over it.
+// What a codec is: a method that turns a visibility matrix into bytes and back. own_codecs() is the table of ours;
+// tests, benchmarks and the program loop over it.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -22,18 +23,19 @@ class NodeCoder;
 class Parts;
 class RowSource;
 
-/// What an encoder makes. No part of it carries a header, so sizes compare fairly.
+/// The result of an encoder. No part of it has a header, so sizes can be compared fairly.
 struct Encoded {
   std::vector<std::byte> payload;
-  /// Where the parts of the payload lie (part_index.h): a part a row, a group of rows or a tree node. Empty where the payload
-  /// is one piece. A client that keeps parts apart, as Zach and Karner [2003, Figure 2] keep each in its tree node, needs none.
+  /// Where the parts of the payload begin (part_index.h): a part for each row, group of rows or tree node. Empty if the
+  /// payload is one piece. A client that stores each part in its tree node, as Zach and Karner do [2003, Figure 2],
+  /// needs no index.
   std::vector<std::byte> index = {};
-  /// Sections of the model that parts share, by number, each read when it is needed.
+  /// Sections of the model that parts share, by number. Each is read when it is first needed.
   std::vector<std::vector<std::byte>> shared = {};
-  /// First rows of bands that are decoded without what stands before them; empty, or ascending from row 0.
+  /// The first rows of the bands, which are decoded without the rows before them. Empty, or ascending from row 0.
   std::vector<std::uint32_t> bands = {};
   bool operator==(const Encoded&) const = default;
-  /// Of payload, index and shared sections: what tables count.
+  /// The bytes of payload, index and shared sections: what tables count.
   std::uint64_t bytes() const {
     std::uint64_t sum = payload.size() + index.size();
     for (const auto& section : shared) sum += section.size();
@@ -41,17 +43,18 @@ struct Encoded {
   }
 };
 
-/// Whose idea a codec is: our own, a published one, or what people use today.
+/// Whose idea a codec is: our own, a published paper's, or what others use.
 enum class Origin { ours, paper, baseline };
 inline std::string_view to_string(Origin origin) {
   return origin == Origin::ours ? "ours" : origin == Origin::paper ? "paper" : "baseline";
 }
 
-/// What a codec's tree stands over. columns: its nodes are the columns, and the matrix is monotone over it. rows: binary, and
-/// each leaf holds a row.
+/// What a codec's tree stands over. columns: the columns are the tree's nodes, and the matrix is monotone over it.
+/// rows: the tree is binary, and each leaf holds a row.
 enum class TreeOver { nothing, columns, rows };
 
-/// What a codec wants of a dataset. prepared_for() in programs/ does it, once for the program, benchmarks and tests.
+/// What a codec needs of a dataset. prepared_for() in programs/ provides it, for the program, the benchmarks and the
+/// tests.
 struct Needs {
   TreeOver tree = TreeOver::nothing;  // without one it cannot encode
   bool row_order = false;             // rows by a greedy order: it codes runs that go from row to row
@@ -61,14 +64,14 @@ struct Needs {
   bool boxes = false;                 // without the boxes of rows and columns it cannot encode
 };
 
-/// What writer and reader both know beside the payload. Borrowed.
+/// What writer and reader both know besides the payload. Borrowed.
 struct Side {
   const ObjectTree* tree = nullptr;
   std::span<const Box> row_boxes, column_boxes;
 };
 
-/// Each codec says what it does with these; most do nothing. Same matrix, side, effort and seed: same bytes, on any number of
-/// threads, as long as `seconds` is 0.
+/// Each codec says which of these it uses; most use none. As long as `seconds` is 0, the same matrix, side, effort and
+/// seed give the same bytes with any number of threads.
 struct EncodeOptions {
   unsigned effort = 0;     // 0: as the codec is known in tables; up to Codec::highest_effort
   double seconds = 0;      // search that long; 0: until the codec's own rule ends the search
@@ -77,7 +80,7 @@ struct EncodeOptions {
   Progress progress = {};  // how much is done of how much, from which who shows it tells the time left
 };
 
-/// A plain value. `name` is stored in files and never reused for other bytes.
+/// A codec as a plain value. `name` is stored in files and is never reused for other bytes.
 struct Codec {
   std::string_view name;
   std::string_view contents;  // what the payload holds, for tables
@@ -89,41 +92,41 @@ struct Codec {
   unsigned highest_effort = 0;      // of EncodeOptions::effort
   std::uint32_t rows_per_part = 1;  // rows that share their bytes, of a codec that gives rows
 
-  /// Throws std::invalid_argument where the side lacks what `needs` names or does not fit the matrix.
+  /// Throws std::invalid_argument if the side lacks what `needs` names or does not fit the matrix.
   Encoded (*encode)(const VisibilityMatrix&, const Side&, const EncodeOptions&) = nullptr;
-  /// The whole matrix. Throws FormatError on any bytes that encode() cannot have made for this shape and side, and where there
-  /// are more than `most` ones. Takes memory as it decodes, not as the shape claims.
+  /// Decodes the whole matrix. Throws FormatError on any bytes that encode() cannot have made for this shape and side,
+  /// and if there are more than `most` ones. Memory grows with what is decoded, not with what the shape claims.
   VisibilityMatrix (*decode)(const Parts&, Shape, const Side&, std::uint64_t most) = nullptr;
-  /// Where any row can be read alone: its rows. Otherwise null. Copies what it needs of the parts; the bytes and the side are
-  /// borrowed. Throws FormatError as decode() does.
+  /// Row codecs, and tree codecs over rows: opens the payload for reading single rows. Otherwise null. Copies what it
+  /// needs of the parts; the bytes and the side are borrowed. Throws FormatError as decode() does.
   std::unique_ptr<const RowSource> (*open)(Parts, Shape, const Side&) = nullptr;
-  /// Of a codec over a tree: how it codes a node (tree_coding.h). Otherwise null.
+  /// Tree codecs: how the codec codes a node (tree_coding.h). Otherwise null.
   std::unique_ptr<NodeCoder> (*node_coder)() = nullptr;
 
-  /// Whether it gives any row alone without a tree to come down.
+  /// Whether this is a row codec: it decodes any row alone, without the path through a tree.
   bool rows_alone() const { return open != nullptr && needs.tree == TreeOver::nothing; }
 };
 
-/// Of a matrix's two trees the one for this codec; null if there is none.
+/// The one of a matrix's two trees that this codec needs; null if the matrix lacks it.
 inline const ObjectTree* tree_for(const Codec& codec, const SourceMap& source) {
   if (codec.needs.tree == TreeOver::nothing) return nullptr;
   const auto& tree = codec.needs.tree == TreeOver::rows ? source.row_tree : source.tree;
   return tree ? &*tree : nullptr;
 }
 
-/// The codec of that name; null where there is none. The one place where names are compared.
+/// The codec of that name; null if there is none. This is the one place where names are compared.
 inline const Codec* codec_named(std::string_view name, std::span<const Codec> codecs) {
   const auto found = std::ranges::find(codecs, name, &Codec::name);
   return found == codecs.end() ? nullptr : &*found;
 }
-/// The codec that a file names. Throws FormatError where there is none.
+/// The codec that a file names. Throws FormatError if there is none.
 inline const Codec& codec_of_file(std::string_view name, std::span<const Codec> codecs) {
   const Codec* const found = codec_named(name, codecs);
   if (found == nullptr) throw FormatError("codec '" + std::string(name) + "' is unknown here");
   return *found;
 }
 
-/// Our own codecs; they need POSIX and the C++20 standard library alone.
+/// Our own codecs. They need only POSIX and the C++20 standard library.
 std::span<const Codec> own_codecs();
 
 }  // namespace vismat

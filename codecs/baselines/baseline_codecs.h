@@ -1,4 +1,4 @@
-// What people use today, by its own libraries: kept apart so that our codecs link nothing.
+// The codecs that others use, through their own libraries. They are a library apart so that ours links none of these.
 #pragma once
 #include <string_view>
 #include <vector>
@@ -7,12 +7,12 @@
 
 namespace vismat {
 
-/// Whole-file compressors over the byte-aligned bitmap, and what gives rows alone.
+/// Whole-file compressors over the byte-aligned bitmap, and row codecs.
 std::span<const Codec> baseline_codecs();
 
-/// Codecs that need no tree, baselines after ours, then those over trees: the order of tables.
+/// All codecs in the order of tables: ours without a tree, the baselines, then the tree codecs.
 std::vector<Codec> all_codecs();
-/// Throws std::invalid_argument that lists the names.
+/// The codec of that name. Throws std::invalid_argument, which lists the names.
 const Codec& find_codec(std::string_view name);
 
 }  // namespace vismat

@@ -1,5 +1,5 @@
-// Compressors that exist as programs under the GPL: run, never linked. For comparisons alone: they are no codecs of a .vmat
-// file that goes anywhere, since a reader would have to have them, and were not written for a stranger's bytes.
+// Compressors that exist only as programs under the GPL. They are run, never linked, and serve comparisons alone. They
+// are no codecs of .vmat files: a reader would have to have the programs, which were not written for untrusted bytes.
 #pragma once
 #include <vector>
 
@@ -7,13 +7,13 @@
 
 namespace vismat {
 
-/// zpaq and jbig1, over the whole bitmap. Each call runs the program in a folder of its own under the system's temporary
-/// one, quietly and without a shell, and removes it. Same input, same bytes. encode throws std::runtime_error where the
-/// program fails; decode FormatError on payloads that the program refuses, or that are no matrix of the shape; both
-/// std::runtime_error, naming the Debian package, where the program is missing.
+/// zpaq and jbig1, over the whole bitmap. Each call runs the program without a shell in a temporary folder of its own
+/// and removes the folder. The same input gives the same bytes. encode throws std::runtime_error if the program fails.
+/// decode throws FormatError on payloads that the program refuses or that do not hold a matrix of the shape. Both throw
+/// std::runtime_error, which names the Debian package, if the program is not installed.
 std::span<const Codec> program_codecs();
 
-/// Those of program_codecs() that find what they run.
+/// Those of program_codecs() whose programs are installed.
 std::vector<Codec> available_program_codecs();
 
 }  // namespace vismat

@@ -1,4 +1,4 @@
-// Codecs whose payload is one piece, decoded as a whole.
+// Codecs whose payload is one piece that is decoded as a whole.
 #pragma once
 #include <string>
 #include <string_view>
@@ -8,7 +8,8 @@
 
 namespace vismat {
 
-/// encode_all(matrix) gives an Encoded without an index; decode_all(bytes, shape) the matrix, or throws FormatError.
+/// encode_all(matrix) returns an Encoded without an index. decode_all(bytes, shape) returns the matrix, or throws
+/// FormatError.
 template <auto encode_all, auto decode_all>
 constexpr Codec whole_file_codec(std::string_view name, std::string_view contents, Origin origin) {
   Codec codec{.name = name, .contents = contents, .origin = origin};

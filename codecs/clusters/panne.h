@@ -1,9 +1,10 @@
-// Van de Panne and Stewart's compression of a visibility table, lossless [van de Panne, Stewart 1999]: subsets that rows or columns
-// share become clusters, and what is left of the table, now sparser, is told by its runs of zeros. docs/vmat.md has the
-// bytes; panne_table.h what a cluster is and what a list costs; panne_search.h how they are found.
+// The codec `panne`: van de Panne and Stewart's lossless compression of a visibility matrix [van de Panne, Stewart
+// 1999]. Subsets that several rows or columns have in common become clusters; the rest of the matrix, which is now
+// sparser, is coded by its runs of zeros. panne_table.h says what a cluster is and what a list costs, panne_search.h
+// how clusters are found, docs/vmat.md gives the bytes.
 //
 //   model   the clusters' lists, and a Huffman code for each kind of number
-//   row     its list; a row that would take as much as its bitmap is the bitmap
+//   row     its list; a row that would take as many bytes as its bitmap is stored as its bitmap
 #pragma once
 #include <algorithm>
 #include <array>
@@ -20,10 +21,10 @@
 
 namespace vismat {
 
-/// As codec `panne` does, of a table that was searched before.
+/// Encodes as the codec `panne` does, with a table that was searched before.
 Encoded encode_panne(const VisibilityMatrix& matrix, const PanneTable& table);
 
-/// A Huffman code for numbers of one kind, or of those that steps have.
+/// A Huffman code for numbers of one kind, or for the numbers of all kinds of steps.
 class PanneCode {
  public:
   static constexpr std::uint32_t object = 0, run = 1, cluster = 2,
@@ -58,12 +59,12 @@ class PanneCode {
   HuffmanCode code_;
 };
 
-/// The row codec (row_codec.h). Decoding a row: O(its symbols, and the clusters and runs that these hold) <= O(its ones), and
-/// a look at each word of its bitmap; scratch, a bit a column.
+/// The row codec (row_codec.h). Decoding a row takes O(its symbols, and the clusters and runs that these hold) <= O(its
+/// ones), and looks at each word of its bitmap. The scratch has a bit for each column.
 class PanneRows {
  public:
   static constexpr std::uint32_t rows_per_part = 1;
-  /// Of the options: how long to search, on how many threads, from which seed.
+  /// Of the options it uses the search's seconds, threads and seed.
   static PanneRows fit(const VisibilityMatrix& matrix, const Side&, const EncodeOptions& options) {
     return PanneRows(search_clusters(matrix, {.seconds = options.seconds,
                                               .seed = options.seed,
@@ -98,7 +99,7 @@ class PanneRows {
     std::vector<std::uint64_t> words;  // all zero between rows
     std::vector<std::uint32_t> open;   // clusters to come
   };
-  // A row's bits, all zero again when it goes.
+  // The bits of a row. The destructor sets them all to zero again.
   class SetBits {
    public:
     SetBits(const PanneRows& rows, std::span<const std::byte> part, Scratch& scratch);
@@ -112,7 +113,7 @@ class PanneRows {
     std::span<std::byte> row_;
   };
   PanneRows() = default;
-  // step(zeros, count, is_cluster) for each step of a row: `count` objects, or the cluster of rank `count`.
+  // Calls step(zeros, count, is_cluster) for each step of a row: `count` objects, or the cluster of rank `count`.
   template <typename Step>
   void for_each_step(std::span<const std::byte> part, const Step& step) const {
     BitReader in(part);

@@ -1,24 +1,24 @@
-// A visibility matrix from which common subsets are factored out [van de Panne & Stewart 1999], and what it takes to code it.
+// A visibility matrix whose common subsets are factored out [van de Panne & Stewart 1999], with the price of coding it.
 //
-// A symbol is an object (a column) or a cluster: two or more symbols that several lists share. A list is a row or a cluster's
-// content; its symbols' objects do not overlap. In terms of a graph of rows and columns, whoever sees a whole set C of
-// columns from each of a set R of rows has |R| + |C| edges through a cluster, not |R| |C|.
+// A symbol is an object (a column) or a cluster. A cluster is two or more symbols that several lists have in common. A
+// list is a row or the content of a cluster; the objects of its symbols do not overlap. In the graph of rows and
+// columns, a set R of rows that all see a set C of columns has |R| + |C| edges through a cluster instead of |R| |C|.
 //
-// A symbol begins at its lowest object, first, and reaches as far as its objects are known to follow one another without a gap:
-// an object to the column behind it; a cluster through its symbols in order, for as long as each begins where the one
-// before reaches to. No two symbols of a list begin at the same column. So a list is told as
+// A symbol begins at its lowest object, its first, and reaches as far as its objects are known to follow one another
+// without a gap. An object reaches the column behind it; a cluster reaches through its symbols in order, for as long as
+// each begins where the one before reaches. No two symbols of a list begin at the same column. So a list is coded as
 //
-//   step     for each cluster and each maximal run of objects the zero run from where what stands before reaches to (0 at
-//            first) up to its beginning, and which it is: an object alone, a longer run or a cluster; then
-//   run      how many objects but one, or
+//   step     for each cluster and each maximal run of objects: the zeros from the column that the step before reaches (0 at first)
+//            to its beginning, and its kind: a single object, a longer run or a cluster; then
+//   run      the number of objects less one, or
 //   rank     which of the clusters that begin there, from 1 on
-//   lead     in place of a cluster's first step, as its beginning is known: its first symbol's rank, 0 for an object
-//   end      behind the last step; a row without any is told by nothing
-//   heads    and once for each column: how many clusters begin there
+//   lead     in place of a cluster's first step, whose beginning is known: its first symbol's rank, 0 for an object
+//   end      behind the last step; a row without steps has no bits
+//   heads    and once for each column: the number of clusters that begin there
 //
-// Nothing of this changes in other lists when a cluster is added. Each number is one of the 168 symbols of
-// run_length_symbols.h and raw bits; a symbol is priced at what its share of all numbers of its kind says, in 1/1024 bit. The prices
-// stay as they are but for settle(), so what a change saves is known exactly from the lists that it touches.
+// None of this changes in other lists when a cluster is added. Each number is one of the 168 symbols of
+// run_length_symbols.h and raw bits. The price of a symbol is -log2 of its share of all numbers of its kind, in 1/1024
+// bit. Only settle() changes the prices, so the lists that a change touches say exactly what it saves.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -30,7 +30,7 @@
 
 namespace vismat {
 
-/// The kinds of numbers. The first four stand in one place, so their shares are of one total.
+/// The kinds of numbers. The first four occur in the same place, so their shares have one total.
 enum class PanneNumber { object_step, run_step, cluster_step, end, run, rank, lead, heads };
 constexpr std::size_t panne_steps = 4, panne_numbers = 8;
 
@@ -40,7 +40,7 @@ class PannePrices {
   using Counts = std::array<std::array<std::uint64_t, LengthSymbol::count>, panne_numbers>;
 
   explicit PannePrices(Counts counts);
-  /// Of a number of at least 1.
+  /// The price of a number of at least 1.
   std::uint64_t of(PanneNumber kind, std::uint32_t number) const {
     const auto& prices = small_[static_cast<std::size_t>(kind)];
     return number < prices.size() ? prices[number] : of_large(kind, number);
@@ -57,13 +57,13 @@ class PanneTable {
   using List = std::vector<std::uint32_t>;
   static constexpr std::uint32_t most_columns = 1u << 24;  // what may have clusters
 
-  /// Without clusters.
+  /// The table without clusters.
   explicit PanneTable(const VisibilityMatrix& matrix);
 
   Shape shape() const { return shape_; }
   std::uint32_t clusters() const { return static_cast<std::uint32_t>(clusters_.size()); }
-  /// Rows 0, 1, ..., and behind them clusters; that of cluster symbol s is list rows + s - columns. Empty where a cluster is
-  /// no more.
+  /// The rows 0, 1, ..., and behind them the clusters. Cluster symbol s is list rows + s - columns. The list of a
+  /// cluster that no longer exists is empty.
   std::span<const List> lists() const { return lists_; }
   bool is_row(std::uint32_t list) const { return list < shape_.rows; }
   std::uint32_t symbol_of_list(std::uint32_t list) const { return list - shape_.rows + shape_.columns; }
@@ -75,53 +75,54 @@ class PanneTable {
   std::uint32_t reach(std::uint32_t symbol) const {
     return is_object(symbol) ? symbol + 1 : clusters_[symbol - shape_.columns].reach;
   }
-  /// 0 for an object.
+  /// Which of the symbols that begin at its column it is; 0 for an object.
   std::uint32_t rank(std::uint32_t symbol) const {
     return is_object(symbol) ? 0 : clusters_[symbol - shape_.columns].rank;
   }
-  /// Some row that has the symbol's cluster: what stands near in the matrix is alike.
+  /// Some row that has the cluster of this list; lists with near rows are often alike.
   std::uint32_t row_near(std::uint32_t list) const {
     return is_row(list) ? list : clusters_[list - shape_.rows].near;
   }
   const PannePrices& prices() const { return prices_; }
-  /// How many ranks are given away at a column.
+  /// How many ranks have been given away at a column.
   std::uint32_t heads(std::uint32_t column) const { return heads_[column]; }
-  /// The whole price, in 1/1024 bit. What share, join, dissolve and settle do
-  /// makes it less, or they change nothing.
+  /// The price of the whole table, in 1/1024 bit. share, join, dissolve and settle lower it or change nothing.
   std::uint64_t price() const { return price_; }
-  /// The same, computed anew. O(symbols).
+  /// The same price, computed anew. O(symbols).
   std::uint64_t price_of_all() const;
 
-  /// Each group of equal columns, seen from two rows or more, becomes a cluster, of a table without any; prices by what numbers
-  /// there are then. That may cost something. False if there is no group.
+  /// Makes each group of equal columns that two rows or more see a cluster, in a table without clusters, and sets the
+  /// prices by the numbers that the table then has. The price may rise. Returns false if there is no group.
   bool group_equal_columns(const VisibilityMatrix& matrix);
 
-  /// Lists a and b share a subset, which becomes a cluster, or is one already. How much is saved, at most 0 if nothing; `common`
-  /// gets the subset. Thread-safe. O(symbols of both).
+  /// What is saved if the subset that lists a and b have in common becomes a cluster (or is one already); at most 0 if
+  /// nothing is. `common` gets the subset. Thread-safe. O(symbols of both).
   std::int64_t saved_by_sharing(std::uint32_t a, std::uint32_t b, List& common) const;
   bool share(std::uint32_t a, std::uint32_t b);
 
-  /// Symbols x and y, x beginning first, become a cluster in those of `both`, ascending lists that hold both, where this saves.
+  /// What is saved if symbols x and y, of which x begins first, become a cluster in the lists of `both`, ascending,
+  /// which hold both.
   std::int64_t saved_by_joining(std::uint32_t x, std::uint32_t y, std::span<const std::uint32_t> both) const;
   bool join(std::uint32_t x, std::uint32_t y, std::span<const std::uint32_t> both);
 
-  /// Clusters that stand in a single list go back into it where this saves, and those in none vanish. How many went.
+  /// Dissolves clusters that are in a single list where this saves, and removes those that are in none. Returns their
+  /// number.
   std::uint32_t dissolve();
 
-  /// Clusters of symbols for which chosen[symbol - columns] is set go back into the lists that hold them, where lists behind would
-  /// not notice. For a search that is stuck: it costs something.
+  /// Dissolves the clusters of symbols for which chosen[symbol - columns] is set, unless that would change the zeros
+  /// that other lists count. For a search that is stuck: the price rises.
   void loosen(const std::vector<bool>& chosen);
 
-  /// Ranks by how often clusters stand in lists, prices by what numbers there are.
+  /// Ranks clusters by how often they are in lists, and sets the prices by the numbers that there are.
   bool settle();
 
-  /// Ranks without the holes that clusters left that are no more. Not for a search that goes on: prices stay.
+  /// Closes the gaps that removed clusters left among the ranks. Only at the end of a search: prices stay as they are.
   void close_ranks();
 
   /// The objects of a list, ascending.
   List expand(std::uint32_t list) const;
 
-  /// Each number that tells a list, in turn: visit(kind, number). An end is a 1.
+  /// Calls visit(kind, number) for each number that codes a list, in turn. An end is a 1.
   template <typename Visit>
   void for_each_number(std::uint32_t list, const Visit& visit) const {
     const List& symbols = lists_[list];
