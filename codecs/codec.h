@@ -57,10 +57,10 @@ enum class TreeOver { nothing, columns, rows };
 /// tests.
 struct Needs {
   TreeOver tree = TreeOver::nothing;  // without one it cannot encode
-  bool row_order = false;             // rows by a greedy order: it codes runs that go from row to row
+  bool row_order = false;             // rows in the greedy order: it codes runs that continue from row to row
   bool column_order = false;          // columns in the best order
   bool shared_order = false;          // one order for both sides of a square matrix
-  bool distinct = false;              // equal rows and equal columns once
+  bool distinct = false;              // equal rows and equal columns stored once
   bool boxes = false;                 // without the boxes of rows and columns it cannot encode
 };
 
@@ -73,11 +73,11 @@ struct Side {
 /// Each codec says which of these it uses; most use none. As long as `seconds` is 0, the same matrix, side, effort and
 /// seed give the same bytes with any number of threads.
 struct EncodeOptions {
-  unsigned effort = 0;     // 0: as the codec is known in tables; up to Codec::highest_effort
-  double seconds = 0;      // search that long; 0: until the codec's own rule ends the search
+  unsigned effort = 0;     // 0: the effort of tables; up to Codec::highest_effort
+  double seconds = 0;      // searches for that long; 0: until the codec's own rule ends the search
   unsigned threads = 0;    // 0: one a core
-  std::uint64_t seed = 1;  // of a search
-  Progress progress = {};  // how much is done of how much, from which who shows it tells the time left
+  std::uint64_t seed = 1;  // of the search
+  Progress progress = {};  // the work done and the work in all
 };
 
 /// A codec as a plain value. `name` is stored in files and is never reused for other bytes.
@@ -86,11 +86,10 @@ struct Codec {
   std::string_view contents;  // what the payload holds, for tables
   Origin origin = Origin::ours;
   Needs needs = {};
-  bool slow_encode =
-      false;              // milliseconds for a matrix of a few dozen rows, seconds or minutes for a level's
-  bool searches = false;  // encode() goes on for EncodeOptions::seconds where these are given
+  bool slow_encode = false;         // takes milliseconds for a few dozen rows, seconds or minutes for a level
+  bool searches = false;            // encode() continues for EncodeOptions::seconds if they are given
   unsigned highest_effort = 0;      // of EncodeOptions::effort
-  std::uint32_t rows_per_part = 1;  // rows that share their bytes, of a codec that gives rows
+  std::uint32_t rows_per_part = 1;  // row codecs: rows that share a part
 
   /// Throws std::invalid_argument if the side lacks what `needs` names or does not fit the matrix.
   Encoded (*encode)(const VisibilityMatrix&, const Side&, const EncodeOptions&) = nullptr;

@@ -1,5 +1,5 @@
-// Bits and numbers under probabilities that follow what was coded, over the range coder. One piece of code both writes and
-// reads: a coder's functions take the value and return it; a reader ignores what it is given.
+// Adaptive coding of bits and numbers over the range coder: the probabilities follow what was coded. The same code
+// writes and reads: a coder's functions take a value and return it, and a reader ignores the value that it is given.
 #pragma once
 #include <array>
 #include <bit>
@@ -12,10 +12,12 @@
 
 namespace vismat {
 
-/// How likely the next bit is 1: the mean of two estimates, of which one follows within about 16 bits and one within 128.
+/// The probability that the next bit is 1: the mean of two estimates, one of which adapts within about 16 bits, the
+/// other within 128.
 class AdaptiveBit {
  public:
-  /// Of 2^14; at least 2^6, at most 2^14 - 2^6: no bit takes less than 1/180 of a bit, so bytes back what is read from them.
+  /// In units of 1 / 2^14; at least 2^6 and at most 2^14 - 2^6. So each bit takes at least 1/180 of a bit, and the
+  /// bytes back what is read from them.
   std::uint32_t ones() const {
     const std::uint32_t mean = (std::uint32_t{quick_} + slow_) >> 3;
     return mean < 64 ? 64 : mean > (1u << 14) - 64 ? (1u << 14) - 64 : mean;
@@ -54,7 +56,8 @@ class AdaptiveWriter {
   RangeEncoder coder_;
 };
 
-/// Behind the end it reads zeros, which a writer leaves out: who reads bounds what is read and compares with what would be written.
+/// Behind the end it reads zeros, which a writer leaves out. The caller bounds what is read, and compares the bytes
+/// with those that would be written.
 class AdaptiveReader {
  public:
   static constexpr bool reads = true;
@@ -70,8 +73,8 @@ class AdaptiveReader {
   RangeDecoder coder_;
 };
 
-/// Numbers from 0 to 2^32 - 1: how many bits one more than the number has, in unary; then these below the leading one, the
-/// highest three of them under probabilities of their own, the others as even chances.
+/// Codes numbers from 0 to 2^32 - 1. First comes the number of bits of number + 1 below the leading one, in unary; then
+/// these bits. The highest three of them have probabilities of their own, the others even chances.
 class AdaptiveNumber {
  public:
   template <typename Coder>

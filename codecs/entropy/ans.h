@@ -1,23 +1,23 @@
-// Asymmetric numeral systems, tabled (tANS) [Duda 2009], with one table for gaps and one for runs that all lists share.
+// Asymmetric numeral systems with tables (tANS) [Duda 2009], with one table for gaps and one for runs that all lists
+// share.
 //
-// A number is a symbol of run_length_symbols.h and raw bits. A table gives each symbol s a share f of L = 2^11 states;
-// symbols in ascending order take f places each, place i being state 1283 i mod L. The j-th of a symbol's states in
-// ascending order, j from 0 on, has the number t = f + j; with b = 11 - floor(lg t), a decoder in that state has read s
+// A number is a symbol of run_length_symbols.h and raw bits. A table gives each symbol s a share f of L = 2^11 states.
+// Symbols in ascending order take f places each, and place i is state 1283 i mod L. The j-th of a symbol's states in
+// ascending order, j from 0 on, has the number t = f + j. With b = 11 - floor(lg t), a decoder in that state has read s
 // and goes on to state t 2^b - L plus the next b bits.
 //
-//   list    11 bits: the first state; for each number the b bits and the raw ones. Even places by the table for gaps, odd
-//           ones by that for runs. The list ends where state 0 meets the end of the bits
-//   model   for either table: varint n, then n varints: the shares of symbols 0, 1, ... They sum to L, or n is 0
+//   list    11 bits: the first state; for each number the b bits and the raw bits. The table for gaps serves even places,
+//           that for runs odd ones. The list ends when the state is 0 and the bits are used up
+//   model   for each table: varint n, then n varints, the shares of symbols 0, 1, ... They sum to L, or n is 0
 //
-// Numbers may take no bit at all, so the end needs the state too. It is met once: no share is all of L, hence a number
-// without bits always leads to a lower state, and from state 0 there is none. State 0 is where the encoder begins, at
-// the list's end.
+// A number may take no bit at all, so the end depends on the state too. It is met only once: no share is all of L,
+// hence a number without bits always leads to a lower state, and from state 0 there is none lower. The encoder begins
+// at the list's end, in state 0.
 //
-// One state, not two interleaved, as each costs 11 bits a list: 3 to 5 % of rows of 40 to 150 ids, on an artificial
-// city, on its differences and on levels' cells. That is why shared Huffman codes are smaller there by up to 5 %, though not
-// as fast. Of L = 2^9 to 2^12, 2^11 is within .2 % of the smallest on each of these.
+// There is one state rather than two interleaved ones, as each costs 11 bits in each list; docs/codecs.md has the
+// figures.
 //
-// Worst list, without the escape: a symbol seen once in a million costs 11 bits, and up to 29 raw.
+// The worst list, without the escape: a symbol seen once in a million costs 11 bits, and up to 29 raw ones.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -36,10 +36,10 @@ class AnsTable {
   using Counts = SymbolCounts::value_type;
 
   AnsTable() : AnsTable(Shares{}) {}
-  /// Shares in proportion to the counts, at least 1 where a symbol occurs.
+  /// Shares in proportion to the counts, and at least 1 for each symbol that occurs.
   static AnsTable from_counts(const Counts& counts);
   void write(std::vector<std::byte>& out) const;
-  /// FormatError unless the shares sum to L or to 0, each below L.
+  /// Throws FormatError unless the shares sum to L or to 0, each below L.
   static AnsTable read(ByteReader& in);
 
   struct Step {
@@ -52,7 +52,7 @@ class AnsTable {
     std::uint64_t bits;
     unsigned count;
   };
-  /// Goes from `state` back to the one in which the symbol is read first; gives what has to be read then.
+  /// Goes from `state` back to the state in which the symbol is read first, and returns the bits that are read between.
   Bits step_back(std::uint32_t& state, std::uint32_t symbol) const {
     const auto [bits_and_threshold, first_place] = back_[symbol];
     const std::uint32_t from = states + state;
@@ -66,16 +66,16 @@ class AnsTable {
   explicit AnsTable(const Shares& shares);
   Shares shares_;
   std::vector<Step> steps_;
-  // Where (state + L + bits_and_threshold) / 2^16 is how many bits a symbol leaves, what is left of state + L is its number t,
-  // and t + first_place, modulo 2^32, is where places_ has the state.
+  // (state + L + bits_and_threshold) / 2^16 is the number of bits that a symbol leaves. The rest of state + L is its
+  // number t, and t + first_place, modulo 2^32, is the index of the state in places_.
   struct Back {
     std::uint32_t bits_and_threshold, first_place;
   };
   std::array<Back, LengthSymbol::count> back_;
-  std::vector<std::uint16_t> places_;  // of the first symbol in ascending order, of the second ...
+  std::vector<std::uint16_t> places_;  // the states of the first symbol in ascending order, of the second ...
 };
 
-/// A code for PairRows (pairs.h), with a model.
+/// A code for PairRows (pairs.h) with a model.
 class AnsCode {
  public:
   void see(std::span<const std::uint32_t> numbers) { count_symbols(numbers, counts_); }
@@ -90,7 +90,7 @@ class AnsCode {
 
    private:
     ListBits bits_;
-    std::array<const AnsTable*, 2> tables_;  // the first is the next number's
+    std::array<const AnsTable*, 2> tables_;  // the first is for the next number
     std::uint32_t state_ = 0;
   };
 

@@ -1,4 +1,4 @@
-// Bits into bytes and back, least significant bit first.
+// Streams of bits in bytes, least significant bit first.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -32,11 +32,11 @@ class BitWriter {
   unsigned held_ = 0;
 };
 
-/// Past the end it reads zeros: one test at the end, finish(), finds what ran over.
+/// Reads bits. Past the end it reads zeros: one test at the end, finish(), finds what ran over.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
-  /// At least 32 bits ahead, without taking them.
+  /// At least 32 bits, without taking them.
   std::uint32_t peek() {
     for (; held_ < 32; held_ += 8) {
       const std::uint64_t byte = next_ < bytes_.size() ? std::to_integer<std::uint64_t>(bytes_[next_]) : 0;
@@ -56,7 +56,7 @@ class BitReader {
   }
   std::size_t bytes_taken() const { return next_ - held_ / 8; }
   bool overran() const { return bytes_taken() > bytes_.size(); }
-  /// Throws FormatError unless exactly the last byte was reached and its padding is zero.
+  /// Throws FormatError unless the reading ended in the last byte and its padding is zero.
   void finish() const {
     if (bytes_taken() != bytes_.size()) {
       throw FormatError("bits end in byte " + std::to_string(bytes_taken()) + " of " +
@@ -73,14 +73,14 @@ class BitReader {
   unsigned held_ = 0;
 };
 
-/// Of eight bytes of 0 or 1 the bits, the first lowest: a product moves each to its place in the top byte.
+/// The bits of eight bytes that are 0 or 1, the first lowest. A product moves each to its place in the top byte.
 inline std::uint64_t bits_of_eight(const std::uint8_t* bytes) {
   std::uint64_t eight;
   std::memcpy(&eight, bytes, 8);
   return eight * 0x0102040810204080u >> 56;
 }
 
-/// Bytes of 0 or 1 as bits, and back.
+/// Writes bytes that are 0 or 1 as bits, and reads them back.
 inline void put_bits(BitWriter& out, std::span<const std::uint8_t> bits) {
   std::size_t i = 0;
   for (; i + 8 <= bits.size(); i += 8) out.put(bits_of_eight(bits.data() + i), 8);
@@ -95,7 +95,7 @@ inline void get_bits(BitReader& in, std::span<std::uint8_t> bits) {
   for (; i < bits.size(); ++i) bits[i] = static_cast<std::uint8_t>(in.get(1));
 }
 
-/// The 8 bytes from `at` <= bytes.size() on, zeros behind the end.
+/// The 8 bytes from `at` <= bytes.size() on, with zeros behind the end.
 inline std::uint64_t word_at(std::span<const std::byte> bytes, std::size_t at) {
   std::uint64_t word = 0;
   if (bytes.size() - at >= 8) [[likely]]

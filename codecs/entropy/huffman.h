@@ -12,13 +12,14 @@ namespace vismat {
 /// The length of the longest code.
 constexpr unsigned longest_huffman = 15;
 
-/// Turns two or more weights, which ascend, into the depths of their leafs in Huffman's tree; the first is the deepest.
+/// Replaces two or more ascending weights by the depths of their leaves in Huffman's tree; the first is the deepest.
 void huffman_depths(std::span<std::uint64_t> weights);
 
-/// A canonical code is its lengths: bytes with a length in the low 4 bits and in the high 4 how many symbols more have it.
+/// A canonical code is stored as its lengths: bytes with a length in the low 4 bits and the number of further symbols
+/// that have it in the high 4.
 void put_code_lengths(std::vector<std::byte>& out, std::span<const std::uint8_t> lengths);
-/// each(first, run, length) for runs of symbols, until `symbols` are told. FormatError unless the code is complete, or of
-/// one symbol, or of none.
+/// Calls each(first, run, length) for runs of symbols until all `symbols` have a length. Throws FormatError unless the
+/// code is complete, or of one symbol, or of none.
 template <typename Each>
 void read_code_lengths(ByteReader& in, std::uint32_t symbols, const Each& each) {
   std::uint32_t told = 0, space = 0, used = 0;  // space: of 2^15 codes
@@ -34,7 +35,7 @@ void read_code_lengths(ByteReader& in, std::uint32_t symbols, const Each& each) 
   if (used > 1 && space != 1u << longest_huffman) in.fail("the Huffman code is incomplete");
 }
 
-/// The low `count` <= 16 bits in the other order: codes stand in the stream from their highest bit on.
+/// The low `count` <= 16 bits in reverse order: codes are stored from their highest bit on.
 constexpr unsigned reversed_code(unsigned code, unsigned count) {
   code = (code & 0x5555) << 1 | (code >> 1 & 0x5555);
   code = (code & 0x3333) << 2 | (code >> 2 & 0x3333);
@@ -46,15 +47,16 @@ constexpr unsigned reversed_code(unsigned code, unsigned count) {
 class HuffmanCode {
  public:
   HuffmanCode() = default;
-  /// One frequency a symbol, at most 2^15 symbols; a symbol of frequency 0 gets no code. Ties break by
+  /// One frequency for each symbol, at most 2^15 symbols; a symbol of frequency 0 gets no code. Ties are broken by
   /// symbol, so the same frequencies give the same code.
   static HuffmanCode from_frequencies(std::span<const std::uint64_t> frequencies);
 
   void put(BitWriter& out, std::uint32_t symbol) const { out.put(codes_[symbol], lengths_[symbol]); }
-  /// Throws FormatError on bits that are no symbol's.
+  /// Throws FormatError on bits that are no symbol's code.
   std::uint32_t get(BitReader& in) const;
 
-  /// The code itself: runs of equal code lengths, 4 bits a length and 4 a run, ended by the symbol count.
+  /// Writes the code: runs of equal code lengths, 4 bits for a length and 4 for its run. The reader must know the
+  /// number of symbols.
   void write(std::vector<std::byte>& out) const;
   static HuffmanCode read(ByteReader& in, std::uint32_t symbols);  // FormatError unless complete
 

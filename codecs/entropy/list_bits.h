@@ -1,5 +1,5 @@
-// The bits of one list of numbers, from the lowest bit of each byte on: behind them a 1, which ends the list, and zeros up to
-// the byte. A list without numbers has no bytes.
+// The bits of one list of numbers, from the lowest bit of each byte on. Behind them stands a 1, which ends the list,
+// and zeros up to a whole byte. A list without numbers has no bytes.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -34,7 +34,7 @@ class ListWriter {
     if (used_ > block_.size() - 8) [[unlikely]]
       empty();
   }
-  /// The list's end; nothing may follow.
+  /// Ends the list; nothing may follow.
   void finish() {
     put(1, 1);
     put(0, (8 - held_) % 8);
@@ -53,11 +53,11 @@ class ListWriter {
   std::array<std::byte, 256> block_;
 };
 
-/// Borrows the bytes.
+/// Reads a list. Borrows the bytes.
 class ListBits {
  public:
-  /// `what` names the code in messages; it must outlive the object. FormatError where no bit ends the list, or after fewer
-  /// than `least`.
+  /// `what` names the code in messages; it must outlive the object. Throws FormatError if no bit ends the list, or if
+  /// it ends after fewer than `least` bits.
   ListBits(std::span<const std::byte> bytes, const char* what, std::size_t least)
       : bytes_(bytes.data()), what_(what) {
     if (bytes.empty()) return;
@@ -70,7 +70,7 @@ class ListBits {
   }
 
   bool ended() const { return place_ >= stop_; }
-  /// At least 57 bits ahead, zeros behind the bytes; at most one bit past the list's end.
+  /// At least 57 bits, with zeros behind the bytes; at most one bit is past the list's end.
   std::uint64_t peek() const {
     const std::size_t byte = place_ / 8;
     std::uint64_t bits;
@@ -78,7 +78,7 @@ class ListBits {
     return bits >> place_ % 8;
   }
   void take(unsigned count) { place_ += count; }
-  /// FormatError where more bits were taken than there are.
+  /// Throws FormatError if more bits were taken than there are.
   void check() const {
     if (place_ > stop_) fail("the list ends within a number");
   }
@@ -86,8 +86,8 @@ class ListBits {
     throw FormatError(std::string(what_) + ", bit " + std::to_string(place_) + ": " + problem);
   }
 
-  /// Fills `out` with what next(*this) gives, until the list ends; how many numbers these are. next may take at least one
-  /// and at most 64 bits.
+  /// Fills `out` with the results of next(*this) until the list ends, and returns their number. next may take at least
+  /// one and at most 64 bits.
   template <typename Next>
   std::size_t read(std::span<std::uint32_t> out, const Next& next) {
     ListBits here = *this;  // kept in registers

@@ -1,4 +1,4 @@
-// A range coder over fixed frequencies: an arithmetic coder that works on bytes [Martin 1979].
+// A range coder with fixed frequencies: an arithmetic coder that outputs bytes [Martin 1979].
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace vismat {
 
-/// Frequencies scaled to sum to 2^14, each symbol that occurs at least 1.
+/// Frequencies scaled so that they sum to 2^14, with at least 1 for each symbol that occurs.
 class FrequencyTable {
  public:
   static constexpr unsigned bits = 14;
 
   FrequencyTable() = default;
-  /// At most 2^12 symbols. The same frequencies give the same table. All zero: an empty table that codes
+  /// At most 2^12 symbols. The same frequencies give the same table. If all are zero the table is empty and codes
   /// nothing.
   static FrequencyTable from_frequencies(std::span<const std::uint64_t> frequencies);
   void write(std::vector<std::byte>& out) const;
@@ -33,7 +33,7 @@ class FrequencyTable {
   std::vector<std::uint16_t> symbol_of_place_;
 };
 
-/// low is 40 bits of the code value not yet sent plus a carry; range at least 2^24 before each symbol.
+/// `low` is 40 bits of the code value that are not yet sent, plus a carry; `range` is at least 2^24 before each symbol.
 class RangeEncoder {
  public:
   explicit RangeEncoder(std::vector<std::byte>& out) : out_(out), begin_(out.size()) {}
@@ -45,7 +45,7 @@ class RangeEncoder {
   void put_bit(bool bit, std::uint32_t ones) {
     narrow(bit ? 0 : ones, bit ? ones : (1u << FrequencyTable::bits) - ones, FrequencyTable::bits);
   }
-  /// The fewest bytes that name the final range: zeros at the end are left out, the decoder supplies them.
+  /// The fewest bytes that identify the final range: zeros at the end are left out, and the decoder supplies them.
   void finish();
 
  private:
@@ -82,7 +82,7 @@ class RangeDecoder {
     narrow(unit, ones, (1u << FrequencyTable::bits) - ones);
     return false;
   }
-  /// FormatError unless the bytes are those that an encoder ends with after what was read.
+  /// Throws FormatError unless the bytes are those with which an encoder ends after what was read.
   void finish() const;
 
  private:

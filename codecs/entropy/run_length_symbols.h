@@ -1,5 +1,4 @@
-// Lengths from 1 to 2^32 - 1 as one of 168 symbols and some raw bits, so that an entropy coder's table stays
-// small.
+// Lengths from 1 to 2^32 - 1 as one of 168 symbols and some raw bits, so that an entropy coder's table stays small.
 //
 //   length   1 .. 64          symbol length - 1, no raw bits
 //   length   1 m m r r ... r  (binary, from 65 on: e bits below the leading one, e >= 6)
@@ -26,7 +25,7 @@ inline LengthSymbol symbol_of_length(std::uint32_t length) {
   return {64 + 4 * (e - 6) + (below >> (e - 2)), e - 2, below & ((std::uint32_t{1} << (e - 2)) - 1)};
 }
 
-/// How often each symbol occurs, among a list's numbers at even places and at odd ones.
+/// How often each symbol occurs among a list's numbers, those at even places and those at odd ones.
 using SymbolCounts = std::array<std::array<std::uint64_t, LengthSymbol::count>, 2>;
 inline void count_symbols(std::span<const std::uint32_t> numbers, SymbolCounts& counts) {
   for (std::size_t i = 0; i < numbers.size(); ++i) ++counts[i % 2][symbol_of_length(numbers[i]).symbol];

@@ -1,4 +1,4 @@
-// Steps from number to number, each visited once: what orders and the leafs of trees are coded by.
+// Steps that visit each number of a range once: the code for orders and for the objects of trees.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -11,15 +11,15 @@
 
 namespace vismat {
 
-/// Throws FormatError where so few bytes cannot back so many: what adaptive coders read takes a bit of which 1/180 or more is
-/// stored, so a byte backs 1440 at most, and 2^22 go without.
+/// Throws FormatError if so few bytes cannot back so large a claim. Adaptive coders store at least 1/180 of a bit for
+/// each bit that they read, so a byte backs 1440 bits at most; 2^22 are accepted without backing.
 inline void check_backed(std::uint64_t claimed, std::uint64_t bytes, const char* what) {
   if (claimed > (std::uint64_t{1} << 22) + 2048 * bytes)
     throw FormatError(std::to_string(claimed) + " " + what + " in " + std::to_string(bytes) + " bytes");
 }
 
-/// Numbers [0, size), all unvisited first. code() tells the next one by how many unvisited lie between it and the last one, and
-/// in which direction. O(log size) a step; 4 bytes a number.
+/// The numbers [0, size), at first all unvisited. code() codes the next number by the count of unvisited numbers
+/// between it and the last one, and by the direction. O(log size) for each step; 4 bytes for each number.
 class Steps {
  public:
   explicit Steps(std::uint32_t size) : left_(size), unvisited_(std::size_t{size} + 1) {
@@ -27,7 +27,7 @@ class Steps {
   }
   std::uint32_t left() const { return left_; }
 
-  /// A writer's `next` must be unvisited. Needs left() > 0.
+  /// A writer's `next` must be unvisited. left() must be above 0.
   template <typename Coder>
   std::uint32_t code(Coder& coder, std::uint32_t next) {
     const std::uint32_t rank = Coder::reads ? 0 : below(next);
@@ -45,13 +45,13 @@ class Steps {
   }
 
  private:
-  // Unvisited numbers below this one.
+  // The count of unvisited numbers below this one.
   std::uint32_t below(std::uint32_t number) const {
     std::uint32_t count = 0;
     for (std::size_t i = number; i > 0; i &= i - 1) count += unvisited_[i];
     return count;
   }
-  // The unvisited number of this rank; visited from now on.
+  // The unvisited number of this rank, which is visited from now on.
   std::uint32_t take(std::uint32_t rank) {
     std::size_t at = 0;
     for (std::size_t step = std::bit_floor(unvisited_.size() - 1); step > 0; step /= 2) {

@@ -1,11 +1,11 @@
-// The delimiter code for short lists of small numbers [Chhugani et al. 2005, Appendix A], in the reading that is
-// uniquely decodable (delimiter.cpp says why, and where the printed rules are not).
+// The delimiter code, for short lists of small numbers [Chhugani et al. 2005, Appendix A], in the interpretation that
+// is uniquely decodable; delimiter.cpp says why the printed rules are not.
 //
-// A number is written in binary from its highest bit on, then
-//   - behind each 11, from the left and without overlap, a 0 is put (111 becomes 1101);
-//   - what then ends in 01 gets one more 1 (5, that is 101, becomes 1011), and so does the number 1 itself (11).
-// Between two numbers stands the delimiter 11. Bits fill bytes from the lowest on. A 1 behind the last number and zeros up
-// to the byte end the list: the last 1 of the bytes is where it stops. No number, no byte.
+// A number is written in binary from its highest bit on. Then
+//   - a 0 is put behind each 11, from the left and without overlap (111 becomes 1101);
+//   - if the result ends in 01, one more 1 is appended (5, that is 101, becomes 1011); the number 1 itself becomes 11.
+// Between two numbers stands the delimiter 11. Bits fill bytes from the lowest on. Behind the last number a 1 and zeros
+// up to a whole byte end the list, so the last 1 of the bytes is the end. A list without numbers has no bytes.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -15,25 +15,26 @@
 
 namespace vismat {
 
-/// The most bits that a number of `bits` >= 1 significant bits takes, without delimiter: half as many again, rounded up.
+/// The most bits that the code of a number of `bits` >= 1 significant bits takes, without delimiter: half as many
+/// again, rounded up.
 constexpr unsigned longest_delimited(unsigned bits) {
   return bits + (bits + 1) / 2;
 }
 
-/// Appends the code of `numbers`, each at least 1. Linear; every list has one code and every code one list.
+/// Appends the code of `numbers`, each at least 1. Linear; each list has one code and each code one list.
 void put_delimited(std::vector<std::byte>& out, std::span<const std::uint32_t> numbers);
 
 /// Decodes the numbers of one list piece by piece, in linear time and without memory of its own. Borrows the bytes.
 class DelimitedReader {
  public:
-  /// FormatError where no bit ends the list: the last byte is zero. `by_extraction`: with the processor's instruction that
-  /// extracts bits (BMI2's pext) or without; for tests, which want both. The numbers are the same.
+  /// Throws FormatError if no bit ends the list, that is, if the last byte is zero. `by_extraction`: whether to use the
+  /// processor's instruction that extracts bits (BMI2's pext); tests use both ways. The numbers are the same.
   explicit DelimitedReader(std::span<const std::byte> bytes, bool by_extraction = has_fast_extraction());
-  /// Whether this processor has it and does not take it bit by bit.
+  /// Whether this processor has that instruction and does not execute it bit by bit.
   static bool has_fast_extraction();
-  /// Writes the next numbers to the front of `out`, which must hold `least_room`, and gives their count: as many as surely
-  /// fit, 0 only at the end. What lies behind them in `out` may be written over. Throws FormatError with the bit's place at
-  /// bytes that put_delimited cannot have made; numbers given before that are void.
+  /// Writes the next numbers to the front of `out`, which must hold `least_room`, and returns their count: as many as
+  /// surely fit, 0 only at the end. What is behind them in `out` may be overwritten. Throws FormatError, which names
+  /// the bit, at bytes that put_delimited cannot have made; numbers returned before that are void.
   std::size_t read(std::span<std::uint32_t> out);
   static constexpr std::size_t least_room = 64;
 

@@ -1,9 +1,12 @@
-// LZW [Welch 1984] over a list's numbers written as varints, as paper 000's Table 2 compares it: fresh for each list.
+// LZW [Welch 1984] over a list's numbers written as varints, with a new dictionary for each list, as in Table 2 of
+// Chhugani et al. 2005.
 //
-// The dictionary begins with the 256 bytes and grows by one entry behind each code, what the code stood for and the byte after
-// it, up to 4096. A code takes as many bits as tell apart all entries that there can be: 8 the first, then 9, at most 12.
+// The dictionary begins with the 256 bytes. Each code adds an entry, the bytes that the code stands for and the byte
+// after them, up to 4096 entries. A code takes as many bits as distinguish all possible entries: 8 the first, then 9,
+// at most 12.
 //
-// Worst list, without the escape: bytes that repeat no pair, at 12 bits a byte; a number takes at most 5 bytes.
+// The worst list, without the escape: bytes that repeat no pair, at 12 bits for each byte; a number takes at most 5
+// bytes.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,7 +21,7 @@ namespace vismat {
 class LzwCode {
  public:
   static constexpr unsigned entries = 4096;
-  /// Appends a list; numbers of at least 1.
+  /// Appends a list of numbers of at least 1.
   void put(std::vector<std::byte>& out, std::span<const std::uint32_t> numbers);
   class Reader {
    public:
@@ -29,12 +32,12 @@ class LzwCode {
     void expand();
     ListBits bits_;
     unsigned made_ = 256;
-    unsigned open_ = 0;            // the entry whose last byte the next code tells; 0: none
-    std::uint8_t first_byte_ = 0;  // of what the last code stands for
-    // Of each entry from 256 on: the code for all but its last byte, and that byte.
+    unsigned open_ = 0;            // the entry whose last byte the next code gives; 0: none
+    std::uint8_t first_byte_ = 0;  // of the bytes of the last code
+    // For each entry from 256 on: the code for all but its last byte, and that byte.
     std::array<std::uint16_t, entries> before_;
     std::array<std::uint8_t, entries> last_;
-    // What the last code stands for, up to the array's end.
+    // The bytes that the last code stands for, up to the array's end.
     std::array<std::uint8_t, entries> text_;
     std::size_t text_at_ = entries;
     std::uint32_t number_ = 0;
@@ -43,7 +46,8 @@ class LzwCode {
 
  private:
   std::vector<std::byte> text_;
-  // A hash table of entries: list << 32 | entry that it prolongs << 20 | byte << 12 | entry. Slots of other lists are free.
+  // A hash table of entries: list << 32 | entry that it extends << 20 | byte << 12 | entry. Slots of other lists are
+  // free.
   std::vector<std::uint64_t> slots_;
   std::uint32_t list_ = 0;
 };

@@ -1,13 +1,13 @@
-// Huffman codes for lists of numbers, over the symbols of run_length_symbols.h: a table in each list, as paper 000's Table 2
-// compares it, or one table for gaps and one for runs that all lists share.
+// Huffman codes for lists of numbers, over the symbols of run_length_symbols.h. Either each list has its own table, as
+// in Table 2 of Chhugani et al. 2005, or all lists share one table for gaps and one for runs.
 //
-//   own table     byte: one more than the largest symbol, s; the lengths of s symbols as docs/vmat.md has them; then
-//                 the list: for each number its symbol's code and its raw bits
-//   shared ones   the list alone, gaps (even places) and runs (odd ones) by their tables; model: either table
+//   own table       a byte, one more than the largest symbol, s; the lengths of s symbols as docs/vmat.md says; then
+//                   the list: for each number its symbol's code and its raw bits
+//   shared tables   the list alone: gaps (even places) and runs (odd places) by their tables; model: both tables
 //
-// Worst list, without the escape: with its own table 169 bytes and 8 bits a number, as a code of equal lengths for all 168
-// symbols would take; a shared table may have 15 bits for a number that is rare elsewhere. Either way up to 29 raw bits
-// more.
+// The worst list, without the escape: with its own table 169 bytes and 8 bits for each number, which a code of equal
+// lengths for all 168 symbols would take; a shared table may have 15 bits for a number that is rare elsewhere. In both
+// cases up to 29 raw bits are added.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -20,8 +20,8 @@
 
 namespace vismat {
 
-/// A Huffman code as huffman.h has it, of up to LengthSymbol::count symbols and without memory of its own: 4 kB, made in about
-/// a microsecond, so that a row may have one.
+/// A Huffman code as in huffman.h, of up to LengthSymbol::count symbols and without memory of its own. It takes 4 kB
+/// and is made in about a microsecond, so that each row may have one.
 class HuffmanTable {
  public:
   HuffmanTable() = default;  // no symbol at all
@@ -55,7 +55,7 @@ class HuffmanTable {
 
 /// Codes for PairRows (pairs.h).
 struct OwnHuffmanCode {
-  /// Appends a list; numbers of at least 1.
+  /// Appends a list of numbers of at least 1.
   static void put(std::vector<std::byte>& out, std::span<const std::uint32_t> numbers);
   class Reader {
    public:
@@ -68,7 +68,7 @@ struct OwnHuffmanCode {
   };
 };
 
-/// With a model.
+/// Codes with a model.
 class SharedHuffmanCode {
  public:
   void see(std::span<const std::uint32_t> numbers) { count_symbols(numbers, counts_); }
@@ -83,7 +83,7 @@ class SharedHuffmanCode {
 
    private:
     ListBits bits_;
-    std::array<const HuffmanTable*, 2> tables_;  // the first is the next number's
+    std::array<const HuffmanTable*, 2> tables_;  // the first is for the next number
   };
 
  private:

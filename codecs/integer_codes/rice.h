@@ -1,15 +1,14 @@
-// Rice's code [Rice 1979] with a parameter each for gaps and for runs.
+// Rice's code [Rice 1979] with one parameter for gaps and one for runs.
 //
-//   byte   the parameter k of the numbers at even places in bits 0 to 3, of those at odd ones in bits 4 to 7
-//   bits   for each number x, with q = floor((x - 1) / 2^k): q zeros, a 1 and the k low bits of x - 1 where q < 24;
-//          else 24 zeros and the 32 bits of x
+//   byte   the parameter k of the numbers at even places in bits 0 to 3, of those at odd places in bits 4 to 7
+//   bits   for each number x, with q = floor((x - 1) / 2^k): if q < 24, q zeros, a 1 and the k low bits of x - 1;
+//          otherwise 24 zeros and the 32 bits of x
 //
-// The parameters stand in each list, not once a file: in the natural order of a level's cells and faces that is 4 to 7 %
-// smaller, a byte a row included; rows of cities and differences stay within 2 % either way.
+// The parameters are stored in each list, not once in a file; docs/codecs.md has the figures.
 //
-// Worst row, without the escape: the costs of x with k = 0 and with k = 1, weighed 36 to 31, have a mean of at most 98/67 x
-// for every x, and that at 1 and at 25; so the cheaper k costs no more. Gaps and runs of 42 ones and a 25, over and
-// over, take 98/67 = 1.46 bits a column.
+// The worst row, without the escape: the costs of x with k = 0 and with k = 1, weighted 36 to 31, have a mean of at
+// most 98/67 x for every x, with equality at 1 and at 25; so the cheaper k costs no more. Gaps and runs of 42 ones and
+// a 25, again and again, take 98/67 = 1.46 bits for each column.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -22,7 +21,7 @@ namespace vismat {
 
 /// A code for PairRows (pairs.h).
 struct RiceCode {
-  /// Appends a list; numbers of at least 1. Tries each of 16 parameters: linear, about 20 operations a number.
+  /// Appends a list of numbers of at least 1. Tries each of 16 parameters: linear, about 20 operations for each number.
   static void put(std::vector<std::byte>& out, std::span<const std::uint32_t> numbers);
   class Reader {
    public:
@@ -31,7 +30,7 @@ struct RiceCode {
 
    private:
     ListBits bits_;
-    std::array<unsigned, 2> parameters_;  // the first is the next number's
+    std::array<unsigned, 2> parameters_;  // the first is for the next number
   };
 };
 

@@ -1,4 +1,4 @@
-// The visibility table as it stands: rows of bits, each row padded to a whole byte.
+// The visibility matrix as it is: rows of bits, each row padded to a whole byte.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace vismat {
 
-/// ceil(columns / 8) bytes a row; bit c of a row is bit c % 8 of byte c / 8 (Quake's order). The "table size"
-/// of paper 002 and what the general-purpose compressors get.
+/// ceil(columns / 8) bytes for each row; bit c of a row is bit c % 8 of byte c / 8 (Quake's order). This is the "table
+/// size" of Zach and Karner 2003 and the input of the general-purpose compressors.
 std::vector<std::byte> bitmap_bytes(const VisibilityMatrix& matrix);
 inline std::uint64_t bitmap_size(Shape shape) {
   return std::uint64_t{shape.rows} * row_bytes_of(shape.columns);
@@ -20,7 +20,7 @@ inline std::uint64_t bitmap_size(Shape shape) {
 VisibilityMatrix matrix_from_bitmap(std::span<const std::byte> bytes, Shape shape);
 
 struct BitmapRows {
-  static constexpr bool escapes = true;  // every row is what others escape to
+  static constexpr bool escapes = true;  // every row is its bitmap
   std::uint32_t columns;
   static BitmapRows fit(const VisibilityMatrix& matrix) { return {matrix.shape().columns}; }
   void write_model(std::vector<std::byte>&) const {}
@@ -29,7 +29,7 @@ struct BitmapRows {
     put_bitmap_row(out, ids, columns);
   }
   template <typename Sink>
-  void decode(std::span<const std::byte> bytes, Sink& sink) const {  // of another size than a bitmap's
+  void decode(std::span<const std::byte> bytes, Sink& sink) const {  // if the size differs from a bitmap's
     throw FormatError("bitmap row of " + std::to_string(bytes.size()) + " bytes; " +
                       std::to_string(sink.columns()) + " columns need " +
                       std::to_string(row_bytes_of(sink.columns())));

@@ -1,13 +1,15 @@
-// A row's ids as one Elias-Fano list [Elias 1974, Fano 1971], in 2 + lg(columns / ids) bits an id.
+// The row codec `elias-fano`: a row's column numbers, its ids, as one Elias-Fano list [Elias 1974, Fano 1971], in 2 +
+// lg(columns / ids) bits for each id.
 //
-// A row without ids has no bytes. Else, with n ids and l = floor(lg floor(columns / n)), or 0 where that is 0:
+// A row without ids has no bytes. Otherwise, with n ids and l = floor(lg floor(columns / n)), or 0 where that is 0:
 //
 //   varint   n
 //   bytes    ceil(n l / 8): the l low bits of each id, padded with zeros
 //   bytes    bit (id_i >> l) + i is 1 for each id, the others 0; ends with the byte of the last 1
 //
-// Worst row, without the escape: l is at most lg(columns / n), so the low bits and the second part's ones and zeros come to at
-// most n l + n + (columns >> l) <= n (lg(columns / n) + 3) bits; where l = 0 to n + columns, 2 bits a column in a full row.
+// The worst row, without the escape: l is at most lg(columns / n), so the low bits and the second part's ones and zeros
+// are at most n l + n + (columns >> l) <= n (lg(columns / n) + 3) bits; if l = 0 they are n + columns, which is 2 bits
+// for each column in a full row.
 #pragma once
 #include <cstddef>
 #include <cstdint>

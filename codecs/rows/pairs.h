@@ -1,16 +1,16 @@
-// A row as pairs of small numbers [Chhugani et al. 2005, 6.2]: offsets between its ids, with runs of ones folded, so that
-// each run of visible columns is (zeros before it, ones in it). Only what precedes the first run may be no zeros at all;
-// it is counted from 1, and so every number is at least 1.
+// A row as pairs of small numbers [Chhugani et al. 2005, 6.2]: for each run of ones its gap, the number of zeros before
+// it, and its length. Only the gap before the first run may be 0; one is added to it, so that every number is at least
+// 1.
 //
 // PairRows<Code> is the row codec (row_codec.h) over a code for such numbers. Code has
 //
 //   void put(std::vector<std::byte>& out, std::span<const std::uint32_t> numbers)          appends one list
-//   typename Code::Reader(const Code&, std::span<const std::byte> bytes)                   the list's bytes exactly
+//   typename Code::Reader(const Code&, std::span<const std::byte> bytes)                   exactly the list's bytes
 //   std::size_t Reader::read(std::span<std::uint32_t> out)   the next numbers, as many as fit or fewer; 0 at the end
 //
-// and where lists share a model
+// and, if lists share a model,
 //
-//   void see(std::span<const std::uint32_t> numbers)         every list once
+//   void see(std::span<const std::uint32_t> numbers)         called for every list once
 //   void write_model(std::vector<std::byte>&)                after the last see(), before the first put()
 //   void read_model(ByteReader&)
 #pragma once
@@ -26,7 +26,7 @@
 
 namespace vismat {
 
-/// Bit j: ids[j + 1] does not follow ids[j]; of 65 ids. Written so that compilers make vector code of it.
+/// Bit j says that ids[j + 1] does not follow ids[j]; reads 65 ids. Written so that compilers vectorize it.
 inline std::uint64_t breaks_in(const std::uint32_t* ids) {
   std::array<std::uint8_t, 64> breaks;
   for (std::size_t j = 0; j < 64; ++j) breaks[j] = ids[j + 1] - ids[j] != 1;
@@ -35,7 +35,7 @@ inline std::uint64_t breaks_in(const std::uint32_t* ids) {
   return mask;
 }
 
-/// visit(first, count) for each maximal run of consecutive ids.
+/// Calls visit(first, count) for each run of consecutive ids.
 template <typename Visit>
 void for_each_run(std::span<const std::uint32_t> ids, const Visit& visit) {
   std::size_t begin = 0, i = 0;  // of the run; of what is looked at
@@ -58,7 +58,7 @@ inline std::span<const std::uint32_t> pairs_of_row(std::span<const std::uint32_t
                                                    std::vector<std::uint32_t>& memory) {
   if (memory.size() < 2 * ids.size()) memory.resize(2 * ids.size());
   std::uint32_t* next = memory.data();
-  std::uint32_t counted = 0xffffffff;  // the column up to which all is told: one before the first at first
+  std::uint32_t counted = 0xffffffff;  // the last column that is coded; at first the one before the first
   for_each_run(ids, [&](std::uint32_t first, std::uint32_t count) {
     *next++ = first - counted;
     *next++ = count;
@@ -95,7 +95,7 @@ class PairRows {
   void decode(std::span<const std::byte> bytes, Sink& sink) const {
     typename Code::Reader reader(code_, bytes);
     std::array<std::uint32_t, 256> buffer;
-    std::size_t held = 0;  // 1 where a pair's first number waits for its second
+    std::size_t held = 0;  // 1 if a pair's first number waits for its second
     std::uint32_t before_first = 1;
     for (;;) {
       const std::size_t count = held + reader.read(std::span(buffer).subspan(held));

@@ -1,4 +1,4 @@
-// Quake's run lengths of zero bytes, row by row (Quake, Quake 2, Source).
+// The row codec `quake-rle`: Quake's run lengths of zero bytes, row by row (Quake, Quake 2, Source).
 #pragma once
 #include <cstddef>
 #include <cstring>
@@ -10,8 +10,8 @@
 
 namespace vismat {
 
-/// Each byte of the bitmap's row as it is, but a run of 1 to 255 zero bytes as 0 and the run's length; runs end with
-/// their row. No escape: the engines have none, a row may take 3/2 of its bitmap and a byte.
+/// Each byte of the row's bitmap as it is, but a run of 1 to 255 zero bytes as 0 and the run's length; runs end with
+/// their row. There is no escape, as the engines have none: a row may take 3/2 of its bitmap and a byte.
 struct QuakeRows {
   static constexpr bool escapes = false;
   std::uint32_t columns;

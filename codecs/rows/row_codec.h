@@ -1,7 +1,8 @@
-// Codecs that give any row alone. A payload is a model (what all rows share; often nothing) and behind it the parts, one for
-// each row or for each group of rows; the index tells where these begin (part_index.h).
+// Row codecs: codecs that decode any row alone. A payload is a model (what all rows share; often nothing) and behind it
+// the parts, one for each row or group of rows; the index says where these begin (part_index.h).
 //
-// Such a codec is one type, Rows, and a line in a table: row_codec<Rows>("name", "contents"). Of what follows it has one form of each:
+// Such a codec is one type, Rows, and a line in a table: row_codec<Rows>("name", "contents"). Rows has one of the forms
+// of each of the following:
 //
 //   static Rows fit(const VisibilityMatrix&)                         the model for a matrix
 //   static Rows fit(const VisibilityMatrix&, const Side&, const EncodeOptions&)
@@ -9,21 +10,21 @@
 //   static Rows read_model(ByteReader&, Shape)                       FormatError on bytes that write_model cannot have made
 //   static Rows read_model(ByteReader&, Shape, const Side&)
 //
-//   encoding, a row a part
+//   encoding, one row in each part
 //   void encode(std::span<const std::uint32_t> ids, std::vector<std::byte>& out)        appends one row
-//   static constexpr bool escapes                                    a row that would take as much as its bitmap is the
-//                                                                    bitmap: no row takes more
-//   encoding, rows_per_part rows a part
+//   static constexpr bool escapes                                    a row that would take as many bytes as its bitmap is
+//                                                                    stored as its bitmap; no row takes more
+//   encoding, rows_per_part rows in each part
 //   static constexpr std::uint32_t rows_per_part
 //   void encode_part(const VisibilityMatrix&, std::uint32_t first, std::uint32_t end, std::vector<std::byte>& out)
-//   void write_shared(Encoded&) const                                besides, where it has them: shared sections and bands
+//   void write_shared(Encoded&) const                                optional: shared sections and bands
 //
-//   decoding, from its part alone; thread-safe; Sink: row_sink.h
+//   decoding from the row's part alone; thread-safe; Sink: row_sink.h
 //   template <typename Sink> void decode(std::span<const std::byte>, Sink&) const
 //   template <typename Sink> void decode(std::span<const std::byte>, std::uint32_t row_in_part, RowScratch&, Sink&) const
-//   decoding a row that depends on others: any parts, and shared sections
+//   decoding a row that depends on others, from any parts and shared sections
 //   template <typename Sink> void decode_row(std::uint32_t row, const Parts&, RowScratch&, Sink&) const
-//   RowSource::Cost cost(std::uint32_t row, const Parts&) const      and what that takes
+//   RowSource::Cost cost(std::uint32_t row, const Parts&) const      what that reads
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -46,7 +47,7 @@ inline std::size_t row_bytes_of(std::uint32_t columns) {
 }
 /// Appends the row's bits, padded to a byte.
 void put_bitmap_row(std::vector<std::byte>& out, std::span<const std::uint32_t> ids, std::uint32_t columns);
-/// The row behind exactly row_bytes_of(columns) bytes; FormatError where padding is set.
+/// Gives the sink the row of exactly row_bytes_of(columns) bytes. Throws FormatError if padding is set.
 template <typename Sink>
 void get_bitmap_row(std::span<const std::byte> bytes, Sink& sink) {
   std::uint64_t gap = 0;  // zeros since the last one

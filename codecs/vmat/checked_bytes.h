@@ -1,4 +1,4 @@
-// Bytes of a file that are checked block by block, each when it is first needed.
+// The bytes of a file, checked block by block, each block when it is first needed.
 #pragma once
 #include <atomic>
 #include <cstddef>
@@ -8,11 +8,11 @@
 
 namespace vismat {
 
-/// Makes right the checksums of a file of a head, the checksums of the body's blocks, and the body. The head ends in two: that of
-/// the blocks' checksums, and that of the head before it.
+/// Corrects the checksums of a file that consists of a head, the checksums of the body's blocks, and the body. The head
+/// ends in two checksums: that of the blocks' checksums, and that of the head before it.
 void seal(std::span<std::byte> file, std::size_t head_bytes, std::uint64_t body_bytes);
 
-/// `body` in blocks of block_bytes, with the CRC-32 of each, four bytes, in `sums`. Both are borrowed. Thread-safe.
+/// `body` in blocks of block_bytes; `sums` has the CRC-32 of each, in four bytes. Both are borrowed. Thread-safe.
 class CheckedBytes {
  public:
   static constexpr std::uint64_t block_bytes = 4096;
@@ -21,7 +21,7 @@ class CheckedBytes {
   CheckedBytes() = default;
   CheckedBytes(std::span<const std::byte> body, std::span<const std::byte> sums);
 
-  /// The same bytes, which lie in the body, after a check. Throws FormatError where a block's checksum differs.
+  /// The same bytes, which must lie in the body, after a check. Throws FormatError if a block's checksum differs.
   std::span<const std::byte> checked(std::span<const std::byte> bytes) const {
     if (bytes.empty()) return bytes;
     const auto begin = static_cast<std::uint64_t>(bytes.data() - body_.data());
@@ -36,7 +36,8 @@ class CheckedBytes {
  private:
   void check(std::uint64_t block) const;
   std::span<const std::byte> body_, sums_;
-  // A bit a block, set after its check. Blocks never change: a thread that does not see a bit yet checks again, no more.
+  // One bit for each block, set after its check. Blocks never change, so a thread that does not see a bit yet only
+  // checks again.
   std::unique_ptr<std::atomic<std::uint64_t>[]> good_;
 };
 

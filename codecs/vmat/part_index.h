@@ -1,11 +1,13 @@
-// Where the parts of a payload lie: an ascending list of places, any of which is read alone, in about 2.1 + log2(payload bytes /
-// parts) bits each [Elias 1974, Fano 1971]. A payload is a model, often empty, and behind it its parts.
+// The index: where the parts of a payload begin. It is an ascending list of places in about 2.1 + log2(payload bytes /
+// parts) bits each [Elias 1974, Fano 1971], and any place is read alone. A payload is a model, often empty, and behind
+// it its parts.
 //
-//   varint    n, how many parts; nothing follows if there are none, or all are equally long and there is no model
+//   varint    n, the number of parts; nothing follows if there are none, or all are equally long and there is no model
 //
-// and otherwise the n + 1 places where the parts begin and the last ends, which is u, the payload's bytes:
+// Otherwise there follow n + 1 places: where the parts begin, and where the last one ends, which is u, the payload's
+// length in bytes:
 //
-//   samples   of the places 256, 512, ...: where the place's bit stands in `high`; 4 bytes each, 8 if `high` has 2^32 bits or more
+//   samples   for each of the places 256, 512, ...: the position of its bit in `high`; 4 bytes each, 8 if `high` has 2^32 bits or more
 //   high      n + 1 + (u >> b) bits: for place i, which is s, bit (s >> b) + i is 1
 //   low       (n + 1) b bits: the b lowest bits of each s
 #pragma once
@@ -24,28 +26,29 @@
 
 namespace vismat {
 
-/// Parts begin at `starts`, ascending, and the last ends with the payload.
+/// The index of parts that begin at `starts`, ascending; the last one ends with the payload.
 std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t> starts, std::uint64_t payload_bytes);
 
-/// Reads single places out of borrowed bytes, whatever these hold: a result may be wrong where the bytes are, but none lies
-/// outside the payload and no read outside the bytes.
+/// Reads single places from borrowed bytes. If these are damaged a result may be wrong, but it lies within the payload,
+/// and no byte outside the index is read.
 class PartIndex {
  public:
   PartIndex() = default;
-  /// Reads the first few bytes alone, after touch(those). Throws FormatError unless there are exactly as many bytes as the parts take.
+  /// Reads only the first few bytes, after touch(those). Throws FormatError unless there are exactly as many bytes as
+  /// the parts take.
   template <typename Touch>
   PartIndex(std::span<const std::byte> index, std::uint64_t payload_bytes, const Touch& touch)
       : payload_bytes_(payload_bytes) {
     open(touch(index.first(std::min<std::size_t>(index.size(), 10))), index);
   }
-  /// Throws FormatError unless these are the very bytes that part_index_bytes gives for some places. O(parts).
+  /// Throws FormatError unless these are exactly the bytes that part_index_bytes gives for some places. O(parts).
   void check_whole() const;
 
   std::uint64_t parts() const { return parts_; }
   struct Place {
     std::uint64_t begin, end;
   };
-  /// Of part i < parts(). touch(bytes) is told of the index's bytes before they are read.
+  /// The place of part i < parts(). Calls touch(bytes) for the bytes of the index before it reads them.
   template <typename Touch>
   Place part(std::uint64_t i, const Touch& touch) const {
     if (equal_bytes_) return {i * *equal_bytes_, (i + 1) * *equal_bytes_};
@@ -84,17 +87,18 @@ class PartIndex {
   void open(std::span<const std::byte> head, std::span<const std::byte> index);
   [[noreturn]] static void refuse() { throw FormatError("the index of the parts is damaged"); }
 
-  // In byte b, how many ones bytes 0 to b have: std::popcount alone would be a call where no newer processor is asked for.
+  // Byte b gets the number of ones in bytes 0 to b: without newer processors' instructions std::popcount alone would be
+  // a call.
   static std::uint64_t ones_up_to_bytes(std::uint64_t word) {
     word -= word >> 1 & 0x5555555555555555;
     word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
     return ((word + (word >> 4)) & 0x0f0f0f0f0f0f0f0f) * 0x0101010101010101;
   }
-  // The word without its first `skip` ones, of which it has more: whole bytes at a time [Vigna 2008, broadword selection].
+  // The word without its first `skip` ones; it must have more. Goes by whole bytes [Vigna 2008, broadword selection].
   static std::uint64_t from_one(std::uint64_t word, std::uint64_t ones, std::uint64_t skip) {
     constexpr std::uint64_t lowest = 0x0101010101010101, highest = 0x8080808080808080;
     const std::uint64_t passed =
-        ((skip * lowest | highest) - ones) & highest;  // bytes up to which there are no more than `skip`
+        ((skip * lowest | highest) - ones) & highest;  // bytes up to which there are at most `skip`
     const auto bytes = static_cast<unsigned>((passed >> 7) * lowest >> 56);
     skip -= (ones << 8) >> (8 * bytes) & 0xff;
     word = word >> (8 * bytes) << (8 * bytes);
@@ -108,7 +112,7 @@ class PartIndex {
     std::memcpy(&place, bytes.data(), bytes.size());
     return place;
   }
-  // `high` word by word; told of eight at a time, zeros behind the last bit.
+  // `high` word by word. Eight words at a time are announced to touch(); behind the last bit there are zeros.
   struct Words {
     std::span<const std::byte> high;
     std::uint64_t index;

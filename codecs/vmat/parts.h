@@ -1,4 +1,4 @@
-// A payload cut into parts, from memory or from a mapped file that is checked as it is read: what decoders read from.
+// A payload cut into parts, from memory or from a mapped file that is checked as it is read. Decoders read from it.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace vismat {
 
-/// Borrows all bytes. What it gives has been checked by its checksum where it comes from a file. Thread-safe.
+/// Borrows all bytes. What it returns from a file has passed its checksum. Thread-safe.
 class Parts {
   struct Touch {
     const CheckedBytes* file;
@@ -26,26 +26,26 @@ class Parts {
 
  public:
   Parts() = default;
-  /// What an encoder made. Throws FormatError where the index is not the writer's. O(parts).
+  /// The parts of an encoder's result. Throws FormatError if the index is not as the writer makes it. O(parts).
   explicit Parts(const Encoded& encoded);
-  /// The same from a file; reads the head of the index alone. An empty index means a payload in one piece.
+  /// The same from a file; reads only the head of the index. An empty index means a payload in one piece.
   Parts(std::span<const std::byte> payload, std::span<const std::byte> index,
         std::vector<std::span<const std::byte>> shared, std::vector<std::uint32_t> bands,
         const CheckedBytes& file);
 
   std::uint64_t count() const { return index_.parts(); }
   std::uint64_t payload_bytes() const { return payload_.size(); }
-  /// All of a payload that is one piece, O(its blocks). Throws FormatError where there is an index.
+  /// All of a payload that is one piece, O(its blocks). Throws FormatError if there is an index.
   std::span<const std::byte> whole() const {
     if (in_pieces_) throw FormatError("an index of parts; this codec's payload is one piece");
     expect_no_sections();
     return checked(payload_);
   }
-  /// What stands before the first part.
+  /// The bytes before the first part.
   std::span<const std::byte> model() const {
     return checked(payload_.first(in_pieces_ ? index_.model_bytes(touch()) : payload_.size()));
   }
-  /// Part i < count(). Throws FormatError where the bytes are damaged.
+  /// Part i < count(). Throws FormatError if the bytes are damaged.
   std::span<const std::byte> part(std::uint64_t i) const {
     const auto [begin, end] = index_.part(i, touch());
     return checked(payload_.subspan(begin, end - begin));
@@ -55,16 +55,16 @@ class Parts {
     return end - begin;
   }
   std::size_t shared_count() const { return shared_.size(); }
-  /// Section i of the model. Throws FormatError where there is none.
+  /// Shared section i of the model. Throws FormatError if there is none.
   std::span<const std::byte> shared(std::size_t i) const {
     if (i >= shared_.size()) throw FormatError("shared section " + std::to_string(i) + " is missing");
     return checked(shared_[i]);
   }
-  /// First rows of the bands; empty where there are none.
+  /// The first rows of the bands; empty if there are none.
   std::span<const std::uint32_t> bands() const { return bands_; }
-  /// Throws FormatError where there are shared sections or bands, for codecs that have none.
+  /// Throws FormatError if there are shared sections or bands; for codecs that have none.
   void expect_no_sections() const;
-  /// Throws FormatError unless there are so many parts.
+  /// Throws FormatError unless there are exactly that many parts.
   void expect(std::uint64_t parts) const;
 
  private:
@@ -76,7 +76,7 @@ class Parts {
   std::vector<std::uint32_t> bands_;
 };
 
-/// What `codec` made, decoded.
+/// Decodes what `codec` made.
 VisibilityMatrix decode(const Codec& codec, const Encoded& encoded, Shape shape, const Side& side = {},
                         std::uint64_t most = ~std::uint64_t{0});
 

@@ -1,5 +1,5 @@
-// Where a row's decoder writes: ids, runs or bits. All three take the same calls, so that a decoder is written
-// once, as a template, and compiled for each.
+// Sinks, to which a row's decoder writes: as ids (column numbers), runs or bits. All three take the same calls, so a
+// decoder is written once, as a template, and compiled for each.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -13,17 +13,17 @@
 
 namespace vismat {
 
-/// `count` columns from `first` on.
+/// A run of `count` columns from `first` on.
 struct Run {
   std::uint32_t first, count;
   bool operator==(const Run&) const = default;
 };
 
-/// Memory that a decoder needs beside the row itself and that a caller keeps from row to row, one for each thread. Any reader may
-/// use any scratch; what one of them left there, another makes anew.
+/// Memory that a decoder needs besides the row itself. A caller keeps one for each thread, from row to row. Any reader
+/// may use any scratch, and replaces what another one left there.
 class RowScratch {
  public:
-  /// The T that is kept here, made anew where the last one asked for was of another type.
+  /// The T that is kept here; made anew if the last one asked for was of another type.
   template <typename T>
   T& as() {
     if (held_ == nullptr || type_ != &type_of<T>) [[unlikely]] {
@@ -42,12 +42,13 @@ class RowScratch {
     T value{};
   };
   template <typename T>
-  static inline char type_of = 0;  // its address alone tells the type
+  static inline char type_of = 0;  // its address identifies the type
   std::unique_ptr<Any> held_;
   const void* type_ = nullptr;
 };
 
-/// Memory that a caller keeps from row to row, one for each thread: it grows to the longest row and then stays.
+/// Memory for rows, which a caller keeps from row to row, one for each thread. It grows to the longest row and then
+/// stays.
 template <typename T>
 class RowBuffer : public RowScratch {
  public:
@@ -69,7 +70,7 @@ class RowBuffer : public RowScratch {
  private:
   friend class IdSink;
   friend class RunSink;
-  // Room for `count` more behind the `used` ones; new memory is not cleared.
+  // Makes room for `count` more behind the `used` ones; new memory is not cleared.
   T* grow(std::size_t used, std::size_t count) {
     const std::size_t capacity = std::max(2 * capacity_, used + count);
     auto data = std::make_unique_for_overwrite<T[]>(capacity);
@@ -82,17 +83,17 @@ class RowBuffer : public RowScratch {
   std::size_t size_ = 0, capacity_ = 0;
 };
 
-/// What the three sinks share: the place in the row, and the check that nothing lies outside it. Throws
+/// What the three sinks have in common: the place in the row, and the check that nothing lies outside it. Throws
 /// FormatError past the last column or past `most` ones in all.
 class RowPlace {
  public:
   RowPlace(std::uint32_t columns, std::uint64_t most) : columns_(columns), left_(most) {}
   std::uint32_t columns() const { return columns_; }
-  /// The column after the last one.
+  /// The column behind the last one.
   std::uint64_t next() const { return next_; }
 
  protected:
-  // Passes `gap` zeros and `count` ones; gives the first one's column.
+  // Passes `gap` zeros and `count` ones; returns the column of the first one.
   std::uint32_t pass(std::uint64_t gap, std::uint64_t count) {
     const std::uint64_t first = next_ + gap;
     next_ = first + count;
@@ -112,10 +113,10 @@ class RowPlace {
   std::uint64_t left_, next_ = 0;
 };
 
-/// Every sink has
-///   run(gap, count)  after the last one `gap` zeros, then `count` >= 1 ones; both below 2^33
-///   id(column)       one more, beyond the last; FormatError where it does not ascend
-/// The content of an IdSink or a RunSink is in its buffer once finish() was called.
+/// Each sink has
+///   run(gap, count)  appends `gap` zeros behind the last one, then `count` >= 1 ones; both are below 2^33
+///   id(column)       appends one more one, behind the last; FormatError unless it ascends
+/// The content of an IdSink or a RunSink is in its buffer after finish().
 class IdSink : public RowPlace {
  public:
   IdSink(RowBuffer<std::uint32_t>& buffer, std::uint32_t columns, std::uint64_t most)
@@ -127,7 +128,7 @@ class IdSink : public RowPlace {
     const std::uint32_t first = pass(gap, count);
     if (static_cast<std::size_t>(end_ - at_) < count + step) [[unlikely]]
       make_room(count + step);
-    // Most runs are short: a step is written whole whatever the count, what is too much is written over.
+    // Most runs are short: whole steps are written whatever the count, and the surplus is overwritten.
     for (std::size_t i = 0; i < count; i += step) {
       for (std::size_t j = 0; j < step; ++j) at_[i + j] = first + static_cast<std::uint32_t>(i + j);
     }
@@ -154,7 +155,7 @@ class IdSink : public RowPlace {
   std::uint32_t *at_, *end_;
 };
 
-/// Adjacent runs become one.
+/// Collects runs; adjacent runs become one.
 class RunSink : public RowPlace {
  public:
   RunSink(RowBuffer<Run>& buffer, std::uint32_t columns, std::uint64_t most)
@@ -180,7 +181,7 @@ class RunSink : public RowPlace {
   std::size_t size_ = 0;
 };
 
-/// Bit c % 64 of word c / 64. The words must be zero and hold all columns.
+/// Sets bit c % 64 of word c / 64. The words must be zero and hold all columns.
 class BitSink : public RowPlace {
  public:
   BitSink(std::span<std::uint64_t> words, std::uint32_t columns, std::uint64_t most)

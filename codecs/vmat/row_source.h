@@ -1,4 +1,4 @@
-// Rows of one payload, one at a time: what a codec that gives rows alone opens, and what a reader of whole matrices loops over.
+// Reads the rows of one payload, one at a time. A row codec opens one, and readers of whole matrices loop over it.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -13,9 +13,9 @@
 
 namespace vismat {
 
-/// Holds what all rows share and where the rest lies; nothing of it changes, so any number of threads may read at a time, each
-/// with a scratch of its own. What a row needs besides, its parents' rows or the sets on the way down a tree, a decoder keeps
-/// in the scratch; it allocates nothing once that has held what the longest row takes.
+/// Holds what all rows share and where the rest begins. It never changes, so any number of threads may read at a time,
+/// each with a scratch of its own. The scratch keeps what else a row needs: the rows it is coded against, or the sets
+/// on the path through a tree. Nothing is allocated once the scratch has held what the longest row takes.
 class RowSource {
  public:
   virtual ~RowSource() = default;
@@ -23,15 +23,15 @@ class RowSource {
   virtual void read(std::uint32_t row, RowScratch&, IdSink&) const = 0;
   virtual void read(std::uint32_t row, RowScratch&, RunSink&) const = 0;
   virtual void read(std::uint32_t row, RowScratch&, BitSink&) const = 0;
-  /// What a row that is read alone takes of the payload; where rows share their bytes, all of these.
+  /// What reading a row alone reads of the payload. Rows that share their bytes cost all of these.
   struct Cost {
     std::uint64_t bytes = 0, parts = 0;
   };
   virtual Cost cost(std::uint32_t row) const = 0;
 };
 
-/// The matrix whose rows read(row, scratch, sink) gives, one after another out of `bytes` bytes. FormatError at more than `most`
-/// ones. What is asked for at once is backed by the bytes; the rest as rows come.
+/// The matrix whose rows read(row, scratch, sink) gives, one after another, from a payload of `bytes` bytes. Throws
+/// FormatError at more than `most` ones. The bytes back what is allocated at once; the rest is allocated as rows come.
 template <typename Read>
 VisibilityMatrix matrix_of_rows(Shape shape, std::uint64_t bytes, std::uint64_t most, const Read& read) {
   if (bytes == 0) claimed_shape(shape.rows, 0, 0);
@@ -49,7 +49,7 @@ VisibilityMatrix matrix_of_rows(Shape shape, std::uint64_t bytes, std::uint64_t 
   return VisibilityMatrix::from_csr(shape, std::move(offsets), std::move(ids));
 }
 
-/// All rows in turn; FormatError at more than `most` ones. Memory grows with what is decoded.
+/// All rows in turn. Throws FormatError at more than `most` ones. Memory grows with what is decoded.
 VisibilityMatrix read_all_rows(const RowSource& rows, const Parts& parts, Shape shape, std::uint64_t most);
 
 }  // namespace vismat

@@ -1,4 +1,4 @@
-// The numbers of the `.vmat` format, version 4; docs/vmat.md tells what they mean.
+// The numbers of the `.vmat` format, version 4; docs/vmat.md explains them.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -10,11 +10,11 @@ namespace vismat::vmat {
 constexpr std::array<unsigned char, 8> magic = {0x89, 'V', 'M', 'A', 'T', '\r', '\n', 0x1a};
 constexpr std::uint32_t version = 4;
 constexpr std::size_t name_bytes = 32;
-/// Magic, version, rows, columns, ones, codec name, count of sections.
+/// Magic, version, rows, columns, ones, codec name, number of sections.
 constexpr std::size_t fixed_head_bytes = 8 + 4 + 4 + 4 + 8 + name_bytes + 4;
-/// Kind and size of a section.
+/// The number and length of a section.
 constexpr std::size_t section_entry_bytes = 4 + 8;
-/// Checksums: of the blocks' checksums, of the head before.
+/// The checksum of the blocks' checksums, and that of the head before it.
 constexpr std::size_t head_sums_bytes = 4 + 4;
 
 /// Sections stand in ascending order of these numbers, each at most once, none empty.
@@ -24,7 +24,7 @@ enum class Section : std::uint32_t {
   row_tree = 3,
   row_order = 4,
   column_order = 5,
-  shared_order = 6,  // of the rows and of the columns of a square matrix
+  shared_order = 6,  // one order of the rows and of the columns of a square matrix
   row_groups = 7,
   column_groups = 8,
   boundaries = 9,
@@ -39,7 +39,7 @@ enum class Section : std::uint32_t {
   last_shared = 63,
 };
 
-/// Whether a file that begins so is a `.vmat` file of some version.
+/// Whether a file that begins with these bytes is a `.vmat` file of some version.
 inline bool begins_vmat(std::span<const std::byte> begin) {
   for (std::size_t i = 0; i < magic.size(); ++i) {
     if (i >= begin.size() || std::to_integer<unsigned char>(begin[i]) != magic[i]) return false;
