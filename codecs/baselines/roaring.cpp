@@ -1,9 +1,9 @@
-// Rows as Roaring bitmaps [Lemire et al. 2016], by CRoaring, in the portable format.
+// The row codec `roaring`: rows as Roaring bitmaps [Lemire et al. 2016], by CRoaring, in the portable format.
 //
-// CRoaring 0.2.66 trusts what it reads but for the ends of containers: ids out of order, runs past 65535 or a wrong
-// cardinality make it read or write out of bounds later. So check() goes over all bytes first; newer versions have a
-// function for that, and whoever reads strangers' files pays for it too. A row's bitmap is made anew, container by container;
-// the library offers no way to read ids from this format without.
+// CRoaring 0.2.66 trusts what it reads except the ends of containers: ids out of order, runs past 65535 or a wrong
+// cardinality make it read or write out of bounds later. So check() examines all bytes first; newer versions have a
+// function for that, and whoever reads untrusted files pays for it too. A row's bitmap is built anew, container by
+// container, since the library has no other way to read ids from this format.
 #include <roaring/roaring.h>
 
 #include <array>

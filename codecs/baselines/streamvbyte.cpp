@@ -1,9 +1,9 @@
-// A row's pairs in Stream VByte [Lemire, Kurz, Rupp 2018], by libstreamvbyte.
+// The row codec `streamvbyte`: a row's pairs in Stream VByte [Lemire, Kurz, Rupp 2018], by libstreamvbyte.
 //
-//   varint count; ceil(count / 4) control bytes, two bits a number from the lowest: its bytes less one; the numbers' bytes
+//   varint count; ceil(count / 4) control bytes, two bits for each number from the lowest on: its length less one; the numbers' bytes
 //
-// The library neither checks sizes nor stops where its input ends: it reads up to 16 bytes beyond. So 256 numbers at a time
-// are copied to a padded buffer, after what their control bytes announce has been compared with what there is.
+// The library neither checks sizes nor stops where its input ends: it reads up to 16 bytes beyond. So 256 numbers at a
+// time are copied to a padded buffer, after their control bytes have been compared with the bytes that there are.
 #include <streamvbyte.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// The bitmap through the general-purpose compressors, each at its best setting. Decoders stop one byte past the size that
-// the shape claims, and refuse windows and dictionaries much larger than that, so a payload that would inflate to
-// gigabytes costs no more than an honest one.
+// The whole-file codecs: the bitmap through general-purpose compressors, each at its best setting. Decoders stop one
+// byte past the size that the shape claims, and refuse windows and dictionaries much larger than that. So a payload
+// that would inflate to gigabytes costs no more than an honest one.
 #include <brotli/decode.h>
 #include <brotli/encode.h>
 #include <bzlib.h>

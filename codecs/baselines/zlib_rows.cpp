@@ -1,9 +1,10 @@
-// Rows, or chunks of them, through zlib.
+// The codecs `gzip-rows` and `unreal-chunks`: rows, or chunks of rows, through zlib.
 //
-// unreal-chunks is what Unreal does with precomputed visibility: the cells' bits lie in chunks, a chunk is a zlib stream,
-// and entering a cell inflates the whole chunk, of which the cell's bits are a slice. Unreal keeps the last chunk inflated
-// for as long as the viewer stays in it; here every row read alone pays for its chunk, as a teleport would. How many cells
-// share a chunk is not published (a cell's place in it has 16 bits, so at most 64 KiB): 64 rows are ours.
+// unreal-chunks is what Unreal does with precomputed visibility. The bits of the view cells lie in chunks, a chunk is a
+// zlib stream, and a viewer who enters a view cell inflates the whole chunk, of which the cell's bits are a slice.
+// Unreal keeps the last chunk inflated while the viewer stays in it; here every row that is read alone pays for its
+// chunk, as a teleport would. How many view cells share a chunk is not published (a cell's place in it has 16 bits, so
+// at most 64 KiB); the 64 rows are our choice.
 #include <zlib.h>
 
 #include <algorithm>

@@ -1,8 +1,10 @@
-// Rows through zstd -19, without a dictionary and with one that is trained on them and stored in front.
+// The codecs `zstd-rows` and `zstd-dict`: rows through zstd -19, without a dictionary, and with one that is trained on
+// the rows and stored in front.
 //
-// A row is one frame that tells nothing but itself: no magic number, size, checksum or dictionary number. Its head is then
-// a zero byte and the window's size, and blocks follow. libzstd also reads several frames in a row, and formats older than
-// zstd 1.0 by their magic numbers even where it is told that there are none: both are refused here before it sees them.
+// A row is one frame without its optional parts: no magic number, size, checksum or dictionary number. Its head is then
+// a zero byte and the window's size, and blocks follow. libzstd also reads several frames in a row, and formats older
+// than zstd 1.0 by their magic numbers even if it is told that there are none. Both are refused here before libzstd
+// sees them.
 #define ZSTD_STATIC_LINKING_ONLY  // for the frames without magic number
 #include <zdict.h>
 #include <zstd.h>

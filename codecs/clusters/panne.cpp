@@ -1,31 +1,32 @@
-// ALGORITHM. The paper itself is not to be had. Known, from its abstract and from what papers 000 (6.2) and 002 (2.3, 4.1, 5) tell
-// of it: a table of cells by polygons; lossless, clusters of equal regions of the table are formed, by which its ones become
-// fewer; then the lengths of the runs of zeros are stored; 7 : 1 at best; the search is slow, as it goes through a very
-// large space of states. (Its lossy half, rows or columns merged into their union, is elsewhere.) All else is our
+// ALGORITHM. The codec `panne`. The paper [van de Panne & Stewart 1999] is not available to us. Its abstract and the
+// accounts of Chhugani et al. 2005 (6.2) and Zach & Karner 2003 (2.3, 4.1, 5) say this. It compresses a table of view
+// cells by polygons. Without loss, clusters of equal regions of the table are formed, which leaves fewer ones; then the
+// lengths of the runs of zeros are stored. The ratio is 7 at best. The search is slow, as it goes through a very large
+// space of states. (Its lossy half merges rows or columns into their union; layout/groups has that.) All else is our
 // reconstruction:
 //
-//   what a cluster is     a set of objects and clusters that two lists or more share whole; clusters may hold clusters
-//   what it costs         panne_table.h: the price of every list's numbers under the code of all; each step of the search lowers it
-//   the search            1. columns that are equal become clusters, where that leads further in a trial of four rounds.
+//   what a cluster is     a set of objects and clusters that two lists or more have in common as a whole; clusters may hold clusters
+//   what it costs         panne_table.h: the price of every list's numbers under the common code; each step of the search lowers it
+//   the search            1. Equal columns become clusters, if that leads further in a trial of four rounds.
 //                         2. Clusters over rows: two lists, rows or clusters, give what they have in common to a third.
-//                         3. Clusters over columns: two symbols become one in the lists that hold both, if it saves there.
-//                         4. A cluster that one list alone holds goes back into it.
-//                         5. With time left, a third of the clusters are taken apart, and 2 to 4 go on from there; what does not
+//                         3. Clusters over columns: two symbols become one in the lists that hold both, if that saves.
+//                         4. A cluster that only one list holds is dissolved into it.
+//                         5. With time left, a third of the clusters are dissolved, and 2 to 4 continue from there; what does not
 //                            save in the end is undone.
-//                         Candidates stand near one another in orders by min-hash [Broder 1997], of the lists' symbols for 2,
-//                         of the symbols' lists for 3, and in the matrix. In rounds: pairs are taken from the one that saves most
-//                         on, each list once, none that saves less than 15/16 of what either could save otherwise
-//   the bits              symbols by where they begin, runs of zeros counted from where the symbol before reaches to, runs
-//                         of objects told as one; a Huffman code for each kind of number, so that any row is read alone
+//                         Candidates are neighbours in orders by min-hash [Broder 1997], of the lists' symbols for 2 and
+//                         of the symbols' lists for 3, and in the matrix. The search goes in rounds: pairs are taken from the one that
+//                         saves most on, each list once, none that saves less than 15/16 of what either could save otherwise
+//   the bits              symbols by where they begin, zeros counted from where the symbol before reaches, runs
+//                         of objects coded as one; a Huffman code for each kind of number, so that any row is read alone
 //
-// Runs of objects beside those of zeros: told by zeros alone, columns in a good order cost a step for each object, oa_thor's
-// faces 179 kB instead of 167 even at their entropy, and 514 kB in Huffman codes. A range coder in place of those, ended in each row:
-// artificial 1 by .7 % smaller, oa_koth1's faces by .2 % larger.
+// Runs of objects are coded besides those of zeros: with zeros alone, columns in a good order cost a step for each
+// object, so oa_thor's faces take 179 kB instead of 167 even at their entropy, and 514 kB in Huffman codes. A range
+// coder in place of those, ended in each row, makes artificial 1 smaller by 0.7 % and oa_koth1's faces larger by 0.2 %.
 //
-// Tried and lost: pairs of symbols that stand side by side, the most frequent first (as Re-Pair does), in place of 2 and 3: 1474 kB
-// for oa_thor's faces as they stand, where 2 alone left 291 kB, as no pair saves enough to begin with. Any pair that saves, not only
-// those near the best for both: up to 14 % more there. More orders and wider windows, for want of 5: nothing after 15 s on
-// artificial 2.
+// Tried and lost: pairs of adjacent symbols, the most frequent first (as Re-Pair does), in place of 2 and 3: 1474 kB
+// for oa_thor's faces in the natural order, where 2 alone left 291 kB, as no pair saves enough to begin with. Any pair
+// that saves, not only those near the best for both: up to 14 % more there. More orders and wider windows in place of
+// 5: nothing after 15 s on artificial 2.
 #include "codecs/clusters/panne.h"
 
 #include <string>

@@ -1,6 +1,7 @@
-// ALGORITHM. Every change is priced before it is made, by the numbers that it adds and removes; a cluster's rank is one more than
-// was given away at its column, so that no other number moves. Where a list that is itself a cluster changes, it must go
-// on to reach as far as before: else the zero runs behind it in other lists would change too.
+// ALGORITHM. The table of clusters. Every change is priced before it is made, by the numbers that it adds and removes.
+// A new cluster's rank is one above those given away at its column, so that no other number changes. If a list that is
+// itself a cluster changes, it must still reach as far as before; otherwise the zeros that follow it in other lists
+// would change too.
 #include "codecs/clusters/panne_table.h"
 
 #include <algorithm>

@@ -1,14 +1,15 @@
-// ALGORITHM, after tree coding of bilevel images [Martins & Forchhammer, Tree coding of bilevel images, 1998]. Fixed templates of
-// n pixels need 2^n probabilities, and few of them are seen often enough to be worth writing down; a tree asks a question only
-// where the answer pays for itself. It is grown greedily: at each node the question that leaves the samples the fewest bits of
-// entropy. What has grown is cut back, from the leafs up, where code and description together would be shorter without it; so a
-// question that saves little itself is kept for those that it leads to.
+// ALGORITHM, after tree coding of bilevel images [Martins & Forchhammer, Tree coding of bilevel images, 1998]. Fixed
+// templates of n pixels need 2^n probabilities, few of which are seen often enough to be worth storing. A tree asks a
+// question only where the answer pays for itself. It is grown greedily: at each node comes the question that leaves the
+// samples the fewest bits of entropy. Then it is cut back, from the leaves up, wherever code and description together
+// are shorter without a subtree. So a question that saves little itself is kept for those that it leads to.
 //
-// Counting goes by words: 64 samples are transposed as a matrix of 64 x 64 bits, and then a population count a question tells how
-// often it is answered by 1, another one how often the outcome is 1 too. 8 M samples of 44 questions take .5 s.
+// Counting goes by words: 64 samples are transposed as a matrix of 64 x 64 bits. Then one population count for each
+// question gives the number of samples whose answer is 1, and another the number of those whose outcome is 1 too. 8 M
+// samples of 44 questions take 0.5 s.
 //
-// A probability is kept as that of the rarer outcome, in floating point of 3 bits below the leading one: half a step costs
-// .1 % of the code at most.
+// A probability is stored as that of the rarer outcome, in floating point with 3 bits below the leading one: half a
+// step costs at most 0.1 % of the code.
 #include "codecs/entropy/context_tree.h"
 
 #include <algorithm>

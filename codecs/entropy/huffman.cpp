@@ -1,8 +1,8 @@
-// ALGORITHM. Code lengths by Huffman's two queues over the frequencies in ascending order; where a length
-// passes 15 the frequencies are halved (never to 0) and the code built again, which loses a few hundredths of
-// a per cent and needs no package-merge. Codes are canonical, numbered by (length, symbol), so that lengths
-// alone describe them. Decoding is one look-up of the next `width_` bits, the longest code in use: at most
-// 128 kB, usually 16 kB.
+// ALGORITHM. Canonical Huffman codes. Code lengths come from Huffman's two queues over the frequencies in ascending
+// order. If a length exceeds 15 the frequencies are halved (never to 0) and the code is built again, which loses a few
+// hundredths of a per cent and needs no package-merge. Codes are canonical, numbered by (length, symbol), so that
+// lengths alone describe them. Decoding is one look-up of the next `width_` bits, the longest code in use: at most 128
+// kB, usually 16 kB.
 #include "codecs/entropy/huffman.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
-// ALGORITHM. The classic range coder with carries: the encoder keeps `low` below 2^32 after each byte sent
-// and, when an addition carries past it, adds one to the bytes already written (a run of 0xff becomes 0x00).
-// No byte is held back, so nothing has to be flushed but the few bytes that still tell the final range from
-// its neighbours: 1 or 2 for a node's part instead of the usual 4.
+// ALGORITHM. The classic range coder with carries: the encoder keeps `low` below 2^32 after each byte sent and, when an
+// addition carries past it, adds one to the bytes already written (a run of 0xff becomes 0x00). No byte is held back,
+// so at the end only the few bytes are written that distinguish the final range from its neighbours: 1 or 2 for a
+// node's part instead of the usual 4.
 #include "codecs/entropy/range_coder.h"
 
 #include <algorithm>

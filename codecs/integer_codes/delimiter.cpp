@@ -1,43 +1,44 @@
-// ALGORITHM. Why the code can be read, and how it is read 50 bits at a time.
+// ALGORITHM. The delimiter code: why it can be decoded, and how 50 bits are decoded at a time.
 //
-// The code of a number begins with one or two ones and a 0, or is 11 as a whole (the number 1). It ends in 0 or in 011, for
-// a last 1 that closes no pair stands behind a 0, of the number or put there, and gets one more 1. Inside, no more than
-// two ones stand together, and a 0 follows two. So ones stand together by three or more only around delimiters:
+// The code of a number begins with one or two ones and a 0, or is 11 as a whole (the number 1). It ends in 0 or in 011,
+// for a last 1 that closes no pair follows a 0, of the number or inserted, and gets one more 1. Inside, at most two
+// ones follow one another, and a 0 follows two. So three or more ones in a row occur only around delimiters:
 //
 //     ...0 [11] 11 [11 11]... 1[1] 0...      t + 2 + 4 k + l ones
 //      tail t   delimiter     head l         t = 0 or 2, then k numbers 1 with their delimiters, l = 1 or 2
 //
-// length - 3 = t + 4 k + (l - 1): its remainder by 4 tells t and l, its quotient k. At the list's start the ones number
-// 4 k + l, at its end t + 4 k, and 4 k - 2 if there are but ones. Hence one parse at most; and a list that is read in this way,
-// of numbers below 2^32, is written in this way. As printed, rule 3 leaves the number 1 as it is: then (5, 3) and
-// (2, 1, 2) are both 101111110. The paper's decoder relies on the reading taken here ("all instances of 1 get replaced by
-// 11"). The tests prove both, for all lengths, on the automaton of the rules.
+// length - 3 = t + 4 k + (l - 1): its remainder by 4 gives t and l, its quotient k. At the list's start there are 4 k +
+// l ones, at its end t + 4 k, and 4 k - 2 if there are only ones. So there is at most one parse, and a list that is
+// read in this way, of numbers below 2^32, is written in this way. As printed, rule 3 leaves the number 1 as it is:
+// then (5, 3) and (2, 1, 2) are both 101111110. The paper's decoder relies on the interpretation taken here ("all
+// instances of 1 get replaced by 11"). The tests prove both, for all lengths, on the automaton of the rules.
 //
-// How long a code gets. Of n bits p pairs get a 0, and e = 1 or 0 last ones get one more; these are apart, 2 p + e <= n,
-// so p + e <= (n + e) / 2, rounded down at most (n + 1) / 2. A number of n ones takes that.
+// The length of a code. Of n bits p pairs get a 0, and e = 1 or 0 last ones get one more. These do not overlap, so 2 p
+// + e <= n, and p + e <= (n + e) / 2, rounded down at most (n + 1) / 2. A number of n ones takes that many.
 //
-// Decoding. A window of the list begins with the delimiter before a number; before the first number two ones are made up,
-// and behind the last one the end's 1 becomes 1110, a delimiter and a number that nobody reads. Where ones stand
-// together by three or more and end in the window, arithmetic on the whole word finds whether they are odd in number (a
-// subtraction carries through all of them at once, as simdjson finds escaped characters [Langdale, Lemire 2019]), hence l,
-// hence where the number behind them starts; numbers 1 start every fourth place before, as far as the ones reach. From
-// the starts one sees every bit that the rules put in. Then either
-//   - pext takes these out of the whole window, which turned round holds the numbers' binary digits one behind the other, and
-//     two shifts cut out each; or,
+// Decoding. A window of the list begins with the delimiter before a number. Before the first number two ones are made
+// up, and behind the last one the end's 1 becomes 1110, a delimiter and a number that is never read. Where three or
+// more ones follow one another and end in the window, arithmetic on the whole word finds whether their number is odd (a
+// subtraction carries through all of them at once, as simdjson finds escaped characters [Langdale, Lemire 2019]). This
+// gives l, and so the start of the number behind them; numbers 1 start at every fourth place before, as far as the ones
+// reach. The starts show every bit that the rules inserted. Then either
+//   - pext removes these from the whole window, which in reverse holds the numbers' binary digits one behind the other, and
+//     two shifts extract each number; or,
 //   - without a fast pext, each code of up to 11 bits is an index of a table, and longer ones lose their bits one by one.
-// Ones that the window does not see the end of are counted through.
+// Ones whose end is outside the window are counted through.
 //
 // The tables take 8 kB (decoding) and 4 kB.
 //
-// The limit (bench/delimiter_speed, offsets and runs, 750 bytes or 1100 numbers; Zen 5 at 3.8 GHz, GCC 12). 750 bytes come and
-// 4.4 kB go: 0.15 us of stores, and 0.45 us where the bytes are not in the cache. But a window is found from the last start in the
-// one before: 30 cycles for each of 115 windows, 0.9 us. We take 1.7 us, 6 cycles a number; by table 1.45 us on a list
-// that the processor knows by heart and 2.4 us on others, of which about 1 us for branches that it guessed wrongly. With a
-// check of the numbers 1.85 us (by heart), 2.15 us and 2.7 us (cold); the paper's pass bit by bit 18 us. Least is won, 2.2 times,
-// where 30 numbers 1 and a larger one take turns: the plain pass foresees every bit of that.
+// The limit (bench delimiter-speed, gaps and runs, 750 bytes or 1100 numbers; Zen 5 at 3.8 GHz, GCC 12). 750 bytes are
+// read and 4.4 kB written: 0.15 us of stores, and 0.45 us if the bytes are not in the cache. But a window is found from
+// the last start in the one before: 30 cycles for each of 115 windows, 0.9 us. We take 1.7 us, 6 cycles for each
+// number. With the table we take 1.45 us on a list that the branch predictor has learnt and 2.4 us on others, about 1
+// us of which is mispredicted branches. A decoder that also checks the numbers takes 1.85 us (learnt), 2.15 us and 2.7
+// us (cold), the paper's pass bit by bit 18 us. The least gain is 2.2 times, where 30 numbers 1 and a larger one
+// alternate: the plain pass predicts every bit of that.
 //
-// What was tried and lost: windows one after the other, +25 %; a loop over the numbers of an extracted window in place of
-// twelve whatever they are, +25 %; twelve whatever they are by table, +15 %; the table with BMI's instructions, nothing.
+// Tried and lost: windows one after the other, +25 %; a loop over the numbers of an extracted window instead of always
+// twelve, +25 %; always twelve with the table, +15 %; the table with BMI's instructions, nothing.
 #include "codecs/integer_codes/delimiter.h"
 
 #include <algorithm>

@@ -1,32 +1,35 @@
-// ALGORITHM. Subset coding over a tree of view cells [Gotsman, Sudarsky, Fayman 1999].
+// ALGORITHM. The codecs `gotsman...`: subset coding over a tree of view cells [Gotsman, Sudarsky, Fayman 1999].
 //
-// Known, from the captions of the paper's figures as others print them: A is the parent of B and C, v(A) = v(B) or v(C), and
-// x[y] are the bits of x at the ones of y. Three methods tell v(B) and v(C):
+// The captions of the paper's figures, as others print them, say this: A is the parent of B and C, v(A) is the union of
+// v(B) and v(C), and x[y] are the bits of x at the ones of y. Three methods code v(B) and v(C):
 //
-//   gotsman1  v(B), v(C)                          2 bits an object of the scene
-//   gotsman2  v(B)[v(A)], v(C)[v(A)]              2 bits an object of A
-//   gotsman3  v(B)[v(A)], v(C)[v(B)[v(A)]]        1 bit or 2 an object of A: what A sees and B does not, C sees
+//   gotsman1  v(B), v(C)                          2 bits for each object of the scene
+//   gotsman2  v(B)[v(A)], v(C)[v(A)]              2 bits for each object of A
+//   gotsman3  v(B)[v(A)], v(C)[v(B)[v(A)]]        1 bit or 2 for each object of A: what A sees and B does not, C sees
 //
-// Reconstruction, as the paper is not to be had: one part a node with children, a leaf is one view cell, B is the child of the
-// lower number, the root's set stands before all if it is not everything. In gotsman1 a part alone tells v(B) and v(C); ours is
-// read on the way down as the others are, and refused where v(B) or v(C) has what v(A) has not.
+// The paper is not available to us; the following is reconstruction. Each node with children has one part, a leaf is
+// one view cell, and B is the child with the lower number. The root's set comes before all parts if it is not
+// everything. In gotsman1 a part alone gives v(B) and v(C); ours is read along the path from the root like the others,
+// and is refused if v(B) or v(C) has what v(A) has not.
 //
-// gotsman3-context is ours. An object of A is one trit, {both, B only, C only}: a bit for both, and if it is not, a bit for
-// which. Each is range coded by the probability that a tree of questions (context_tree.h) gives it, one tree for either bit,
-// written once; so any node can be read by its path alone. The questions ask what the reader knows:
+// gotsman3-context is ours. An object of A is one trit, {both, B only, C only}: a bit for both, and if it is not set, a
+// bit for which. Each is range coded with the probability that a tree of questions (context_tree.h) gives it. There is
+// one tree for each of the two bits, stored once, so any node can be read by its path alone. The questions ask what the
+// reader knows:
 //
 //   - the trits of the objects numbered 1 and 2 below, and of the last two of the part
 //   - whether A sees the objects numbered 1 and 2 above
-//   - for n = 1, 2, 4, 6, 8, all: the last trit of this part of an object that agrees with this one in the n siblings next up
-//     the way (history), or in all (kind). They save 8 % and 21 % of two levels' bytes where columns stand in no order, 2 % where
-//     in the best one
-//   - where the object is in the last four siblings' sets, and whether the object before agrees in four of them, or in all
-//   - how long the last trit has been repeated; the shares of trits in the part so far; cells below A; is A a first child
+//   - for n = 1, 2, 4, 6, 8, all: the last trit of this part of an object that agrees with this one in the n nearest
+//     siblings along the path (history), or in all (kind). They save 8 % and 21 % of two levels' bytes in the natural order of
+//     columns, 2 % in the best order
+//   - whether the object is in the last four siblings' sets, and whether the object before agrees in four of them, or in all
+//   - how long the last trit has been repeated; the shares of trits in the part so far; the view cells below A; whether A is a first child
 //
-// Tried and lost: the sets of siblings at the objects next to this one (.1 % to .4 %), more of the history as single questions
-// (.1 %), how well the next object agrees (0). What adapts from part to part would cost single nodes. The order of the columns
-// matters more than any question: 'best' takes 22 % to 36 % off two levels' cells and 51 % to 70 % off their faces, but adds
-// 4 % to artificial 1, whose columns are the nodes of a tree in its order. bench/gotsman_tables.
+// Tried and lost: the sets of siblings at the objects next to this one (0.1 % to 0.4 %), more of the history as single
+// questions (0.1 %), how well the next object agrees (0). Adaptation from part to part would prevent reading single
+// nodes. The order of the columns matters more than any question: `best` takes 22 % to 36 % off two levels' view cells
+// and 51 % to 70 % off their faces, but adds 4 % to artificial 1, whose columns are the nodes of a tree in its order
+// (bench gotsman-tables).
 #include <algorithm>
 #include <array>
 #include <memory>

@@ -1,11 +1,11 @@
-// ALGORITHM [Zach & Karner 2003, sections 3, 4.3 and Figure 1; Gotsman et al. 1999]. Each node has a set that holds its
-// children's: over a tree of columns v(A), the cells that see node A, where a child is visible only where its parent is; over
-// a tree of rows the objects that are seen from somewhere below. So a child's bits are kept for the members of its parent's set
-// alone and the rest is implied. Each node with children makes one part; parts end on whole bytes, which costs half a byte a
-// node (0.1 % on the artificial sets) and lets a client keep each part in its node.
+// ALGORITHM [Zach & Karner 2003, sections 3, 4.3 and Figure 1; Gotsman et al. 1999]. The common part of the tree
+// codecs. Each node has a set that contains its children's. Over a tree of objects it is v(A), the view cells that see
+// node A, since a child is visible only where its parent is. Over a tree of view cells it is the objects that are seen
+// from somewhere below. So a child's bits are stored for the members of its parent's set alone and the rest is implied.
+// Each node with children makes one part. Parts end on whole bytes, which lets a client keep each part in its node.
 //
-// Who walks down the tree learns more than the node's own set: where each member is in the siblings' sets on the way. That is
-// carried along as `history` and `kind` for coders that want it.
+// Along the path from the root a reader learns more than the node's own set: which members are in the siblings' sets on
+// the way. That is kept as `history` and `kind` for coders that want it.
 #include "codecs/tree/tree_coding.h"
 
 #include <algorithm>

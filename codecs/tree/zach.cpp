@@ -1,19 +1,18 @@
-// ALGORITHM [Zach & Karner 2003, sections 4.4 and 5]. The paper's five methods for one node's children; m is the number of
-// cells that see the node, k that of its children, B_i child i's bits.
+// ALGORITHM [Zach & Karner 2003, sections 4.4 and 5]. The codecs `zach...`: the paper's five methods for one node's
+// children. m is the number of view cells that see the node, k that of its children, and B_i are the bits of child i.
 //
 //   zach0  the bits as they are: k m.
 //   zach1  the intersection of all B_i (m bits), then each B_i outside it. [Gotsman et al. 1999]
-//   zach2  the same for a subset S of the children, the others as in zach0; S is named by k bits. The paper
+//   zach2  the same for a subset S of the children, the others as in zach0; k bits name S. The paper
 //          prints the intersection's cost as its number of ones, but a decoder needs m bits for it (and the
 //          published sizes of method 1 are above those of method 0, which only m bits explain), so we minimize
-//          m + |S| (m - ones) + (k - |S|) m. Up to 10 children every subset is tried, beyond that the densest.
+//          m + |S| (m - ones) + (k - |S|) m. Up to 10 children every subset is tried, beyond that only the densest children.
 //   zach3  all bits in a row, child after child; lengths of alternating runs, entropy coded.
-//   zach4  the same bits, zeros being the rarer sort: the number of ones before each zero, entropy coded, after
+//   zach4  the same bits, of which zeros are the rarer: the number of ones before each zero, entropy coded, after
 //          van de Panne & Stewart's sparse coding with the two values exchanged.
 //
-// Lengths go through run_length_symbols.h. "-huffman" is a canonical Huffman code for all nodes, in zach3 one for runs of
-// zeros and one for runs of ones (1.5 % smaller than a common one on artificial 2); "-range" replaces it by arithmetic
-// coding, which the paper only calculated.
+// Lengths are coded by run_length_symbols.h. "-huffman" is a canonical Huffman code for all nodes, in zach3 one for
+// runs of zeros and one for runs of ones; "-range" replaces it by arithmetic coding, which the paper only calculated.
 #include <algorithm>
 #include <array>
 #include <bit>

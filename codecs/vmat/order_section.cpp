@@ -1,8 +1,8 @@
-// ALGORITHM. An order that a tour made is a way through the source's numbers on which the next is often near: near in number,
-// if those that are visited already are not counted. So each step is told by the direction in which it goes and by how many of
-// the unvisited lie between, under adaptive probabilities: on tours of levels' columns .6 to .8 of log2 n!, where plain places
-// take 1.1. A Fenwick tree counts the unvisited. The way is that through the source's numbers in the present order, or through
-// the present numbers in the source's order, whichever is shorter.
+// ALGORITHM. The section that stores an order. An order that a tour made is a path through the source's numbers on
+// which the next number is often near: near if those that are visited already are not counted. So each step is coded by
+// its direction and by the count of unvisited numbers between, under adaptive probabilities (docs/codecs.md has
+// figures). A Fenwick tree counts the unvisited. The path goes through the source's numbers in the present order, or
+// through the present numbers in the source's order, whichever is shorter.
 #include <algorithm>
 
 #include "codecs/entropy/bit_stream.h"

@@ -1,7 +1,8 @@
-// ALGORITHM. A tree is told by its shape and by the objects of its nodes. Trees are numbered level by level or, as a level's own,
-// branch by branch; then the numbers of children, in the order of the nodes, tell the parents: about a bit a node of a binary
-// tree. Any other numbering tells how far back each parent stands. A node's object is new, and then a step from the last new
-// one (steps.h), or one that came before, and then how many nodes with an object back.
+// ALGORITHM. The section that stores a tree: its shape and the objects of its nodes. Nodes are numbered level by level
+// or, in the trees of game levels, branch by branch. Then the numbers of children, in the order of the nodes, determine
+// the parents, in about a bit for each node of a binary tree. With any other numbering each node stores how far back
+// its parent is. A node's object is either new, coded as a step from the last new one (steps.h), or one that came
+// before, coded as the number of nodes with an object between.
 #include <algorithm>
 #include <array>
 #include <bit>
