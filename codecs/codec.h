@@ -75,7 +75,7 @@ struct Side {
 struct EncodeOptions {
   unsigned effort = 0;     // 0: the effort of tables; up to Codec::highest_effort
   double seconds = 0;      // searches for that long; 0: until the codec's own rule ends the search
-  unsigned threads = 0;    // 0: one a core
+  unsigned threads = 0;    // 0: one for each core
   std::uint64_t seed = 1;  // of the search
   Progress progress = {};  // the work done and the work in all
 };

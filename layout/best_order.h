@@ -1,4 +1,4 @@
-// The order of columns to take by default.
+// The default order of columns.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -12,18 +12,18 @@ namespace vismat {
 
 struct BestOrderOptions {
   std::uint64_t seed = 1;
-  /// If above 0, tours are polished that long; the order then depends on the machine's speed.
+  /// If above 0, tours are polished for that long, and the order depends on the machine's speed.
   double seconds = 0;
   unsigned threads = 0;
   Stages stages = {};
 };
 
-/// Up to 20,000 distinct columns the shorter of two polished tours, beyond them, or where their pairs would take more than
-/// about half a minute, the scale tour; the columns as they stand where these have fewer runs. Same seed and no `seconds`,
-/// same order, for any thread count. Breaks on matrices without structure, where no order is much better than another:
-/// take the columns as they stand.
+/// Up to 20,000 distinct columns this is the shorter of two polished tours. Beyond that, or if all their pairs would
+/// take more than about half a minute, it is the scale tour. If the columns as they are have fewer runs, they stay.
+/// Without `seconds` the same seed gives the same order with any number of threads. Fails on matrices without
+/// structure, where no order is much better than another: leave the columns as they are.
 Permutation best_order(const VisibilityMatrix& matrix, const BestOrderOptions& options = {});
-/// The same tour, of points that are there already: all of them, whether or not these are better than the columns as they stand.
+/// The same tour, of points that exist already. It visits all of them, even if the columns as they are have fewer runs.
 std::vector<std::uint32_t> best_visits(const SparsePoints& points, const BestOrderOptions& options = {});
 
 }  // namespace vismat

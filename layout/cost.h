@@ -1,4 +1,4 @@
-// What an order of columns costs.
+// The cost of an order of columns: its number of runs.
 #pragma once
 #include <cstdint>
 
@@ -7,9 +7,9 @@
 
 namespace vismat {
 
-/// Maximal groups of ones over all rows, with the columns as they stand. O(ones).
+/// The number of runs in all rows, with the columns as they are. O(ones).
 std::uint64_t count_runs(const VisibilityMatrix& matrix);
-/// As count_runs(permute(matrix, rows as they stand, columns)), without making that. O(ones).
+/// Equals count_runs(permute(matrix, rows as they are, columns)), without computing that matrix. O(ones).
 std::uint64_t count_runs(const VisibilityMatrix& matrix, const Permutation& columns);
 
 }  // namespace vismat

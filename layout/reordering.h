@@ -1,5 +1,5 @@
-// The table of column orders: tests, benchmarks and the program loop over it. Rows are ordered as the columns of the
-// transposed matrix.
+// The table of orders of columns: tests, benchmarks and the program loop over it. Rows are ordered as the columns of
+// the transposed matrix.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -15,13 +15,13 @@ namespace vismat {
 struct ReorderingOptions {
   std::uint64_t seed = 1;
   std::span<const Box> column_bounds;  // for morton
-  /// If above 0, methods that can go on for ever do so that long; the order then depends on the machine's speed.
+  /// If above 0, methods that can continue for ever do so for that long, and the order depends on the machine's speed.
   double seconds = 0;
-  unsigned threads = 0;  // 0: one a core; the order does not depend on it
+  unsigned threads = 0;  // 0: one for each core; the order does not depend on it
   Stages stages = {};
 };
 
-/// A plain value. Throws std::invalid_argument where it lacks what it needs.
+/// An order as a plain value. `order_columns` throws std::invalid_argument if it lacks what it needs.
 struct Reordering {
   std::string_view name;
   std::string_view idea;

@@ -12,7 +12,7 @@ struct PanneSearch {
   /// 0: until rounds save little, with the same result on any machine. Otherwise the search goes on for that long.
   double seconds = 0;
   std::uint64_t seed = 1;
-  unsigned threads = 0;  // 0: one a core
+  unsigned threads = 0;  // 0: one for each core
   /// In milliseconds if seconds are given, otherwise in rounds, whose number is estimated.
   Progress progress = {};
   /// Called after each round with the table as it is then. Its time does not count towards the seconds.

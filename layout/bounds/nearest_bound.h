@@ -1,4 +1,5 @@
-// A proven lower bound on the runs of any order of columns, where all pairs are too many: by exact nearest neighbours.
+// A proven lower bound on the number of runs of any order of columns, by exact nearest neighbours, for matrices with
+// too many pairs of columns to look at all.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -10,7 +11,7 @@
 
 namespace vismat {
 
-/// Lists of exact distances, and what is known of all other pairs.
+/// Lists of exact distances, and what they prove about all other pairs.
 struct CertifiedNeighbours {
   NeighbourLists lists;  // points.size() points'; a distance of 0xffffffff ends a list
   std::vector<std::uint32_t>
@@ -19,25 +20,25 @@ struct CertifiedNeighbours {
 
 struct CertifyOptions {
   std::uint32_t block = 16;    // points that are ruled out together
-  std::uint64_t work = 10000;  // pairs looked at one by one for each point, on average over its block
+  std::uint64_t work = 10000;  // pairs examined singly for each point, on average over its block
   Stages stages = {};
 };
 
-/// Completes lists (of nearby_points, or of any true distances) by an exact search around each point, no
-/// further than its list's last distance. `visits` is an order of all points in which near ones mostly stand
-/// together, as of visits_at_scale: it decides the speed. Throws std::invalid_argument if blocks hold
-/// nothing. What `work` cannot reach lowers the threshold, never its truth. Memory: 600 bytes a point. Same
-/// result for any thread count.
+/// Completes lists (of nearby_points, or of any true distances) by an exact search around each point, no farther than
+/// its list's last distance. `visits` is an order of all points in which near points are mostly close to each other,
+/// such as that of visits_at_scale: it decides the speed. Throws std::invalid_argument if `block` is 0. If `work` does
+/// not suffice the threshold gets lower, but it stays true. Memory: 600 bytes for each point. The result is the same
+/// with any number of threads.
 CertifiedNeighbours certify_neighbours(const SparsePoints& points, const ColumnSketches& sketches,
                                        const NeighbourLists& lists, std::span<const std::uint32_t> visits,
                                        const CertifyOptions& options = {}, unsigned threads = 0);
 
-/// Each point is left and entered: no order of the columns has fewer runs than a quarter of the distances to
-/// every point's two nearest, unlisted ones at the threshold.
+/// A tour enters and leaves each point: no order of the columns has fewer runs than a quarter of the sum of the
+/// distances from every point to its two nearest. Unlisted distances count as the threshold.
 std::uint64_t two_nearest_bound(const SparsePoints& points, const CertifiedNeighbours& neighbours);
 
-/// All of it, from an order of all points: its neighbours are where the exact search begins. Breaks (goes
-/// slow, and then weak) where the nearest are hardly nearer than all others, as in random columns.
+/// The whole computation, from an order of all points: its neighbours are where the exact search begins. Fails (is
+/// slow, and then weak) if the nearest points are hardly nearer than all others, as in random columns.
 std::uint64_t two_nearest_bound(const SparsePoints& points, std::span<const std::uint32_t> visits,
                                 const CertifyOptions& options = {}, unsigned threads = 0);
 

@@ -1,4 +1,4 @@
-// Rows that are being merged: their unions, and what merging two more would lose.
+// Groups of rows that are being merged: their unions, and what merging two more would lose.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -10,8 +10,8 @@
 
 namespace vismat {
 
-/// Equal rows are one kind and never part. At first each kind is a group; groups keep their numbers as others join them.
-/// Memory: rows * columns / 8 bytes and 64 a row.
+/// Equal rows are one kind and never separate. At first each kind is a group; a group keeps its number when others join
+/// it. Memory: rows * columns / 8 bytes and 64 for each row.
 class RowGroups {
  public:
   RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& options);
@@ -23,17 +23,18 @@ class RowGroups {
     std::uint32_t partner = none;
   };
 
-  /// Ascending at first, then in no order.
+  /// The groups that exist. Ascending at first, later in no order.
   std::span<const std::uint32_t> alive() const { return alive_; }
   bool is_alive(std::uint32_t group) const { return place_[group] != none; }
-  /// Occlusions that are lost so far.
+  /// The occlusions that are lost so far.
   std::uint64_t lost() const { return lost_; }
-  /// Occlusions that merging the two would lose: rows of a times what b has alone, and the other way round [Zach & Karner
-  /// 2003, 4.1]; unbounded where that is above `limit`, or where some row or column would lose more than it may.
+  /// The number of occlusions that merging the two groups would lose: rows of a times what only b has, and the other
+  /// way round [Zach & Karner 2003, 4.1]. Unbounded if that is above `limit`, or if some row or column would lose more
+  /// than it may.
   std::uint64_t score(std::uint32_t a, std::uint32_t b, std::uint64_t limit = unbounded) const;
-  /// The group of the least score with this one; of equal ones the least number. Only groups whose sizes are near enough are
-  /// looked at [Zach & Karner 2003, 4.1]; before them those of rows that stand near, as rows that stand near are often
-  /// alike and a low score soon rules the others out.
+  /// The group with the least score with this one; of equal ones the lowest number. Only groups of similar size are
+  /// examined [Zach & Karner 2003, 4.1]. Groups of near rows are examined first, as near rows are often similar, and a
+  /// low score soon rules the others out.
   Pair best_partner(std::uint32_t group) const;
   /// The second becomes part of the first. Their score must be bounded.
   void merge(std::uint32_t into, std::uint32_t from);
@@ -53,7 +54,7 @@ class RowGroups {
   void fold(std::uint32_t group);
 
   Partition kind_of_row_;
-  VisibilityMatrix kinds_;                                  // a row each
+  VisibilityMatrix kinds_;                                  // one row for each kind
   std::vector<std::uint32_t> rows_of_kind_, most_of_kind_;  // ones that its group's union may have
   std::vector<std::uint32_t> group_of_kind_;
   std::vector<std::uint32_t> room_;  // zeros that each column may still lose; empty: any

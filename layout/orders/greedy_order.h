@@ -1,4 +1,4 @@
-// Paper 002's order of view cells: always the most similar cell next.
+// The greedy order of Zach and Karner 2003: the most similar view cell is appended, again and again.
 #pragma once
 #include <cstdint>
 
@@ -8,17 +8,16 @@
 
 namespace vismat {
 
-/// Each row is followed by the one, among those not yet placed, that differs from it in the fewest columns
-/// (ties: the lowest row number) [Zach & Karner 2003, 4.2]. Begins with the row of the smallest visible set,
-/// which the paper leaves open. At worst rows^2 * columns / 128 word operations; the index on set sizes
-/// usually saves most of them. Memory: the bit matrix, rows * columns / 8 bytes. Breaks towards its end, as every walk to
-/// the nearest does: order_by_polished_tour of the transposed matrix has fewer runs, order_rows_by_neighbours less to do.
+/// Each row is followed by the row, among those not yet placed, that differs from it in the fewest columns (ties: the
+/// lowest row number) [Zach & Karner 2003, 4.2]. Begins with the row that has the smallest visible set; the paper does
+/// not say where to begin. At worst rows^2 * columns / 128 word operations; the index on set sizes usually saves most
+/// of them. Memory: the bit matrix, rows * columns / 8 bytes. Fails towards its end, as every path to the nearest does:
+/// order_by_polished_tour of the transposed matrix has fewer runs, and order_rows_by_neighbours takes less time.
 Permutation order_rows_greedily(const VisibilityMatrix& matrix, const Progress& progress = {});
 
-/// The paper's variant in nearly linear time: only the last row's neighbours are asked (rows x rows,
-/// symmetric). Where all of them are placed, the walk goes back to the last row that still has a free
-/// neighbour; where none has, to the free row of the smallest visible set. Breaks where similar
-/// cells do not touch: order_rows_greedily looks further.
+/// The paper's variant in nearly linear time: it examines only the last row's neighbours (rows x rows, symmetric). If
+/// all of them are placed, it returns to the last row that still has a free neighbour; if no row has one, to the free
+/// row with the smallest visible set. Fails if similar view cells do not touch: order_rows_greedily finds them.
 Permutation order_rows_by_neighbours(const VisibilityMatrix& matrix, const VisibilityMatrix& neighbours);
 
 }  // namespace vismat

@@ -1,4 +1,4 @@
-// What the papers measure against.
+// Random orders and samples. Published figures on orders are relative to a random order.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace vismat {
 
-/// Uniformly random (Fisher-Yates), the same on every platform. O(size). The worst order of any use: take any other.
+/// Uniformly random (Fisher-Yates), the same on every platform. O(size). Any other order is better.
 Permutation random_order(std::uint32_t size, std::uint64_t seed);
 
 /// `count` different numbers below `size`, in random order. O(size).

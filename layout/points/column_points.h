@@ -1,4 +1,4 @@
-// The columns of a matrix as points of a Hamming space: what every tour and bound here works on.
+// The columns of a matrix as points of a Hamming space, with which all tours and bounds work.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace vismat {
 
-/// Point i is column i as a bit vector over the rows; point size() is the all-zero vector. A tour through all
-/// of them that begins and ends at the zero point is twice as long as its order of columns has runs of ones:
-/// each run begins where a column has a one that the one before has not, and ends likewise. Memory: rows *
+/// Point i is column i as a bit vector over the rows; point size() is the zero point, the all-zero vector. A tour
+/// through all of them that begins and ends at the zero point is twice as long as its order of columns has runs of
+/// ones: each run begins where a column has a one that the column before has not, and ends likewise. Memory: rows *
 /// columns / 8 bytes.
 class ColumnPoints {
  public:
@@ -26,7 +26,7 @@ class ColumnPoints {
   std::uint32_t size() const { return bits_.shape().rows; }
   std::uint32_t rows() const { return bits_.shape().columns; }
   std::uint32_t zero() const { return size(); }
-  /// Exact up to `limit`, else some number above it.
+  /// Exact up to `limit`, otherwise some number above it.
   std::uint32_t distance(std::uint32_t a, std::uint32_t b, std::uint32_t limit = 0xffffffff) const {
     if (a >= size() || b >= size()) return a == b ? 0 : ones_[a < size() ? a : b];
     return hamming_distance(bits_.row(a), bits_.row(b), limit);
@@ -37,14 +37,13 @@ class ColumnPoints {
   std::vector<std::uint32_t> ones_;
 };
 
-/// The k nearest other points of each, nearest first, ties by number; the zero point is a point like any
-/// other.
+/// The k nearest other points of each point, nearest first, ties by number; the zero point is a point like any other.
 struct NeighbourLists {
   std::uint32_t per_point = 0;
-  std::vector<std::uint32_t> ids, distances;  // per_point a point, size() + 1 points
+  std::vector<std::uint32_t> ids, distances;  // per_point for each of size() + 1 points
 };
 
-/// By all pairs: columns^2 * rows / 64 word operations.
+/// Computed from all pairs: columns^2 * rows / 64 word operations.
 NeighbourLists exact_neighbours(const ColumnPoints& points, std::uint32_t k, unsigned threads = 0,
                                 const Progress& progress = {});
 

@@ -1,4 +1,4 @@
-// Equal columns, collapsed into one and unfolded again.
+// Equal columns collapsed into one, and expanded again.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -9,18 +9,17 @@
 
 namespace vismat {
 
-/// Equal columns stand side by side in some order of fewest runs, so orders may be sought among the distinct ones alone: a third
-/// to nine tenths fewer on a level's faces.
+/// Some order with the fewest runs has equal columns as neighbours, so it is enough to order the distinct ones.
 struct DistinctColumns {
-  VisibilityMatrix matrix;  // the first of each kind, in order of first appearance, an empty one last
-  std::vector<std::uint32_t> distinct_of_column;  // which kind each column is
+  VisibilityMatrix matrix;  // the first column of each kind, in order of appearance, an empty one last
+  std::vector<std::uint32_t> distinct_of_column;  // the kind of each column
 };
 
-/// SparsePoints finds them; O(ones + columns log columns).
+/// Uses SparsePoints; O(ones + columns log columns).
 DistinctColumns distinct_columns(const VisibilityMatrix& matrix);
 /// The points as columns: column p is point p.
 VisibilityMatrix matrix_of(const SparsePoints& points);
-/// An order of the kinds as one of all columns; those of one kind keep their order.
+/// Expands an order of the kinds into one of all columns; columns of one kind keep their order.
 Permutation unfold(const Permutation& order_of_distinct,
                    const std::vector<std::uint32_t>& distinct_of_column);
 

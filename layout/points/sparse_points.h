@@ -1,5 +1,4 @@
-// The distinct columns of a matrix as sparse points of a Hamming space: for matrices too large for
-// ColumnPoints.
+// The distinct columns of a matrix as sparse points of a Hamming space, for matrices too large for ColumnPoints.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -12,14 +11,15 @@
 
 namespace vismat {
 
-/// Equal columns are one point, and columns without a one are none: an order loses nothing by keeping them
-/// together. Unless told not to collapse them: then point c is column c. Point size() is the all-zero vector,
-/// as in ColumnPoints. Memory: the matrix once more, transposed, and 12 bytes a column. O(ones) to make.
+/// Equal columns become one point and empty columns none: an order loses nothing by keeping them together. A
+/// constructor argument keeps all columns; then point c is column c. Point size() is the zero point, the all-zero
+/// vector, as in ColumnPoints. Memory: the matrix once more, transposed, and 12 bytes for each column. O(ones) to
+/// construct.
 class SparsePoints {
  public:
   explicit SparsePoints(const VisibilityMatrix& matrix, bool collapse = true);
-  /// Out of core: the ones in a temporary file in `folder`, written by way of about `buffer_bytes` in one scan of the matrix for
-  /// each buffer full. Throws std::runtime_error where there is no room.
+  /// Keeps the ones in a temporary file in `folder`, written through a buffer of about `buffer_bytes` with one scan of
+  /// the matrix for each buffer full. Throws std::runtime_error if there is no room.
   SparsePoints(const VisibilityMatrix& matrix, const std::filesystem::path& folder,
                std::uint64_t buffer_bytes);
 
@@ -32,13 +32,13 @@ class SparsePoints {
     return of_column(column_of_point_[point]);
   }
   std::uint32_t weight(std::uint32_t point) const { return static_cast<std::uint32_t>(ones(point).size()); }
-  /// By merging: O(weight(a) + weight(b)).
+  /// Merges the two lists: O(weight(a) + weight(b)).
   std::uint32_t distance(std::uint32_t a, std::uint32_t b) const;
   /// The first column equal to a point.
   std::uint32_t column(std::uint32_t point) const { return column_of_point_[point]; }
-  /// A visiting order of all points but zero() as one of all columns; empty columns come last.
+  /// Turns a visiting order of all points except zero() into an order of all columns; empty columns come last.
   Permutation order_of_columns(std::span<const std::uint32_t> points) const;
-  /// The points as an order of all columns comes by the first column of each.
+  /// The points in the order in which an order of all columns reaches the first column of each.
   std::vector<std::uint32_t> visits_of_order(const Permutation& order) const;
 
  private:
@@ -48,15 +48,16 @@ class SparsePoints {
     return on_disk_.ids().subspan(offsets_[column], offsets_[column + 1] - offsets_[column]);
   }
   Shape shape_;
-  VisibilityMatrix in_memory_;  // the matrix transposed, or else
-  ScratchIds on_disk_;          // the ids of that
+  VisibilityMatrix in_memory_;  // the transposed matrix, or otherwise
+  ScratchIds on_disk_;          // its ids
   std::vector<std::uint64_t> offsets_;
   std::vector<std::uint32_t> column_of_point_;
-  std::vector<std::uint32_t> twin_;  // of a column: the next one equal to it, or `none`
+  std::vector<std::uint32_t> twin_;  // for each column the next one equal to it, or `none`
   std::vector<std::uint32_t> empty_;
 };
 
-/// Runs of the matrix when its points are visited in this order: half the tour from zero() and back to it.
+/// The runs of the matrix when its points are visited in this order: half the length of the tour from zero() and back
+/// to it.
 std::uint64_t runs_of_visits(const SparsePoints& points, std::span<const std::uint32_t> visits,
                              unsigned threads = 0);
 

@@ -1,4 +1,4 @@
-// A closed tour that ways are turned around in.
+// A closed tour in an array, parts of which can be reversed.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -7,10 +7,10 @@
 
 namespace vismat {
 
-/// The points in an array, and each point's place: next, prev and apart in O(1), exchange in O(its shorter side).
+/// The points in an array, and each point's place: next, prev and apart take O(1), exchange O(the shorter side).
 class ArrayTour {
  public:
-  /// From one place on to another, past the array's end and on from its begin if need be.
+  /// A part of the tour, from one place to another, past the array's end and on from its beginning if need be.
   struct Way {
     std::uint32_t first, last;
   };
@@ -23,20 +23,20 @@ class ArrayTour {
   std::uint32_t at(std::uint32_t place) const { return order_[place]; }
   std::uint32_t next(std::uint32_t p) const { return order_[after(place_[p])]; }
   std::uint32_t prev(std::uint32_t p) const { return order_[before(place_[p])]; }
-  /// Steps by next() from one point to another.
+  /// The number of steps by next() from one point to another.
   std::uint32_t steps(std::uint32_t from, std::uint32_t to) const { return length(place_[from], place_[to]); }
-  /// Steps the shorter way around.
+  /// The number of steps between two points the shorter way around.
   std::uint32_t apart(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t onwards = steps(a, b);
     return std::min(onwards, size() - onwards);
   }
 
-  /// Edges a-b and c-d become a-c and b-d; going one way around, b follows a and d follows c. What it returns,
-  /// turned once more, undoes it.
+  /// Replaces edges a-b and c-d by a-c and b-d; in one direction of the tour, b follows a and d follows c. Reversing
+  /// the returned part again undoes it.
   Way exchange(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
     const bool forward = next(a) == b;
     Way way{place_[forward ? b : a], place_[forward ? c : d]};
-    if (2 * std::uint64_t{length(way.first, way.last)} + 2 > size())  // turning the rest gives the same tour
+    if (2 * std::uint64_t{length(way.first, way.last)} + 2 > size())  // the rest reversed gives the same tour
       way = {after(way.last), before(way.first)};
     turn(way);
     return way;

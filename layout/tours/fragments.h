@@ -1,4 +1,4 @@
-// Tours of greedy edges: shortest first, as long as they make no branch and no cycle [Bentley 1992].
+// Tours by greedy edges: the shortest edges first, as long as they make no branch and no cycle [Bentley 1992].
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,22 +14,22 @@ struct Edge {
   auto operator<=>(const Edge&) const = default;
 };
 
-/// The edges of lists, some of them twice; 0xffffffff for a distance ends a list.
+/// The edges of the lists, some of them twice. A distance of 0xffffffff ends a list.
 std::vector<Edge> edges_of(const NeighbourLists& lists);
 
-/// Ways that grow together until one through all points is left: at first each point is one.
+/// Paths that are joined until one path through all points is left. At first each point is a path.
 class Fragments {
  public:
   explicit Fragments(std::uint32_t size);
-  /// Sorts the edges; takes those that join the ends of two different fragments.
+  /// Sorts the edges and takes those that join the ends of two different fragments.
   void join_shortest_first(std::vector<Edge>& edges);
-  /// Points with less than two neighbours, ascending.
+  /// The points with fewer than two neighbours, ascending.
   std::vector<std::uint32_t> ends() const;
   bool same(std::uint32_t a, std::uint32_t b) { return components_.find(a) == components_.find(b); }
-  /// Once one is left: its points from one end to the other.
+  /// The points of the last fragment from one end to the other, once only one is left.
   std::vector<std::uint32_t> walk() const;
 
-  /// Joins all of them, by the measure of each pair of ends. O(ends^2).
+  /// Joins all fragments, by the measure of each pair of ends. O(ends^2).
   template <typename Measure>
   std::vector<std::uint32_t> join_all(const Measure& measure) {
     const std::vector<std::uint32_t> left = ends();

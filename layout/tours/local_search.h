@@ -1,13 +1,12 @@
-// ALGORITHM. The local search of every tour here. Sequential 3-opt over candidate lists [Lin 1965; Johnson & McGeoch 1997]:
-// t1-t2 is given up for t2-t3, t3 near t2; t3-t4 for t4-t1 (2-opt), or for t4-t5, t5 near t4, and t5-t6 for t6-t1: 2-opt
-// twice, or two ways that change places or turn around where they stand, of which Or-opt [Or 1976] is the case of
-// short ways. Only what has gained up to an added edge is followed further, the first gain is taken. Points whose edges
-// changed wait in a queue, the others are left alone (don't-look bits [Bentley 1992]).
+// ALGORITHM. The local search of every tour here: sequential 3-opt over candidate lists [Lin 1965; Johnson & McGeoch
+// 1997]. t1-t2 is given up for t2-t3, with t3 near t2. Then t3-t4 is given up for t4-t1 (2-opt), or for t4-t5, with t5
+// near t4, and t5-t6 for t6-t1: that is 2-opt twice, or two parts of the tour that change places or are reversed where
+// they are. Or-opt [Or 1976] is the case of short parts. A move is followed further only while it has gained up to an
+// added edge, and the first gain is taken. Points whose edges changed wait in a queue, the others are left alone
+// (don't-look bits [Bentley 1992]).
 //
-// Tried and lost: 2-opt and Or-opt with ways of up to 3 points, the same kicks, in half to three quarters of the time: .2 %
-// more runs on artificial 1 and 2 and ctf_compromise.cc, .6 % on oasago2.cf, .9 % on the power plant at 1/16 without
-// kicks. Ways of at most 10 points in a kick: .4 % more runs on levels in two thirds of the time. Kicks all over
-// the tour: the same runs, a third more time where columns are long.
+// Tried and lost: 2-opt and Or-opt with parts of up to 3 points; parts of at most 10 points in a kick; kicks all over
+// the tour. docs/orders.md has the figures.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -24,20 +23,20 @@
 
 namespace vismat {
 
-/// What a search may do.
+/// The moves that a search may make.
 struct LocalMoves {
   bool three_opt = true;  // else 2-opt alone
-  /// No edge is added between points further apart along the tour: it bounds the ways to be turned.
+  /// No edge is added between points farther apart along the tour than this, which limits the parts to be reversed.
   std::uint32_t longest_flip = 25000;
 };
 
-/// Distances asked for again and again, as those of tour edges are: some for each point, 8 bytes each.
+/// Distances that are asked for again and again, such as those of tour edges: a few for each point, 8 bytes each.
 class KnownDistances {
  public:
   explicit KnownDistances(std::uint32_t points)
       : each_(std::bit_floor(std::clamp((1u << 20) / (points + 1), 8u, 64u))),
         known_(std::size_t{points} * each_) {}
-  /// `measure()` is asked where it is not known.
+  /// Calls `measure()` if the distance is not known.
   template <typename Measure>
   std::uint32_t of(std::uint32_t a, std::uint32_t b, const Measure& measure) {
     if (a > b) std::swap(a, b);
@@ -54,8 +53,8 @@ class KnownDistances {
   std::vector<Known> known_;
 };
 
-/// Distances: `std::int64_t distance(a, b)`; `bool below(a, b, limit, &length)`, whether the distance is below a limit, which
-/// may be had for less, and if so, the distance.
+/// Distances has `std::int64_t distance(a, b)` and `bool below(a, b, limit, &length)`. The latter says whether the
+/// distance is below a limit, which may be cheaper, and if so gives the distance.
 template <typename Distances>
 class LocalSearch {
  public:
@@ -71,7 +70,7 @@ class LocalSearch {
   }
   const ArrayTour& tour() const { return tour_; }
 
-  /// To a local optimum, from where kicks left the tour or, at first, from all points; returns what was saved.
+  /// Goes to a local optimum, from where kicks left the tour or, at first, from all points. Returns what was saved.
   std::int64_t run() {
     std::int64_t saved = 0;
     std::vector<std::uint32_t> queue;
@@ -88,8 +87,8 @@ class LocalSearch {
   void push_all() {
     for (const std::uint32_t p : tour_.order()) push(p);
   }
-  /// Or-3opt's segment insertion: the ways of `one` and `two` points from `place` on change places. Returns what it saves,
-  /// mostly less than nothing. Both ways and two points more must fit into the tour.
+  /// The segment insertion of Or-3opt: the parts of `one` and `two` points from `place` on change places. Returns what
+  /// it saves, which is mostly negative. Both parts and two more points must fit into the tour.
   std::int64_t kick(std::uint32_t place, std::uint32_t one, std::uint32_t two) {
     const auto at = [&](std::uint32_t steps) { return tour_.at((place + steps) % tour_.size()); };
     const std::uint32_t a = at(0), b = at(one - 1), c = at(one), d = at(one + two - 1);
@@ -99,7 +98,7 @@ class LocalSearch {
     swap_ways(before, a, b, c, d, after);
     return gain;
   }
-  /// From here on undo() leads back to here.
+  /// undo() leads back to the last mark().
   void mark() {
     marked_ = true;
     turned_.clear();
@@ -126,7 +125,7 @@ class LocalSearch {
     const std::int64_t gain = improve(p, true);
     return gain != 0 ? gain : improve(p, false);
   }
-  // The tour is looked at in the direction in which t2 follows t1.
+  // Looks at the tour in the direction in which t2 follows t1.
   std::int64_t improve(Point t2, bool forward) {
     const auto next = [&](Point p) { return forward ? tour_.next(p) : tour_.prev(p); };
     const auto prev = [&](Point p) { return forward ? tour_.prev(p) : tour_.next(p); };
@@ -213,17 +212,17 @@ class LocalSearch {
 };
 
 struct PolishOptions {
-  /// Kicks of iterated local search a point, after the first local optimum; 0: none. `seconds` override it.
+  /// Kicks of iterated local search for each point, after the first local optimum; 0: none. `seconds` override it.
   double kicks_per_point = 50;
   std::uint64_t seed = 1;
-  /// If above 0, kicks for that long: the tour then depends on the machine's speed.
+  /// If above 0, kicks for that long, and the tour depends on the machine's speed.
   double seconds = 0;
   Progress progress = {};  // of the kicks, unless `seconds` bound them
 };
 
-/// From a local optimum: two neighbouring ways of up to 50 points change places, the search repairs what that touched, and
-/// if the tour is longer for it, all is taken back. The places follow the tour around in random steps, so that what the
-/// last kick looked at is still at hand.
+/// Starts from a local optimum. Two neighbouring parts of up to 50 points change places and the search repairs the tour
+/// around them; if the tour is then longer, all is undone. The places follow the tour around in random steps, so that
+/// what the last kick touched is still in the cache.
 template <typename Distances>
 void iterate(LocalSearch<Distances>& search, const PolishOptions& options) {
   const std::uint32_t count = search.tour().size(), longest = std::min(50u, (count - 2) / 3);

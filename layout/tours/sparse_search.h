@@ -10,15 +10,16 @@
 
 namespace vismat {
 
-/// Improves a closed tour of all points, the zero point among them, until no move over the lists' edges
-/// shortens it. `lists` holds points.size() points' neighbours, nearest first; a distance of 0xffffffff ends
-/// a list. Never lengthens. Deterministic; one thread.
+/// Improves a closed tour of all points, the zero point among them, until no move over the lists' edges shortens it.
+/// `lists` has the neighbours of points.size() points, nearest first; a distance of 0xffffffff ends a list. The tour
+/// never gets longer. Deterministic; one thread.
 std::vector<std::uint32_t> improve_tour(const SparsePoints& points, const ColumnSketches& sketches,
                                         const NeighbourLists& lists, std::vector<std::uint32_t> tour,
                                         const LocalMoves& moves = {});
 
-/// Kicks a local optimum; windows of the tour apart, on several threads. If `seconds` are given, again and again for that
-/// long. Never lengthens. Same seed and no `seconds`, same tour, for any thread count.
+/// Kicks a local optimum, in windows of the tour that are far apart, on several threads; with `seconds`, again and
+/// again for that long. The tour never gets longer. Without `seconds` the same seed gives the same tour with any number
+/// of threads.
 std::vector<std::uint32_t> kick_tour(const SparsePoints& points, const ColumnSketches& sketches,
                                      const NeighbourLists& lists, std::vector<std::uint32_t> tour,
                                      const PolishOptions& options, unsigned threads = 0);

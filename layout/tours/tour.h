@@ -1,4 +1,4 @@
-// Closed tours through points and the zero point, and the orders that they are when cut open there.
+// Closed tours through points and the zero point, and the orders that result from cutting them there.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -14,7 +14,7 @@ using Tour = std::vector<std::uint32_t>;
 std::uint64_t tour_length(const ColumnPoints& points, const Tour& tour);
 /// The points from the zero point around to it again, without it.
 std::vector<std::uint32_t> visits_of_tour(Tour tour);
-/// The same as an order of columns, where each is a point.
+/// The same as an order of columns; each column is a point.
 Permutation order_of_tour(const Tour& tour);
 Tour tour_of_order(const Permutation& order);
 

@@ -1,14 +1,14 @@
-// Neighbours for view cells of which no geometry is known.
+// Neighbours for view cells whose geometry is not known: a spanning tree of similar rows.
 #pragma once
 #include "matrix/base/parallel.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {
 
-/// A spanning tree of the rows by Hamming distance, of the least total length: rows x rows, symmetric, so that the
-/// differences between its neighbours hold the fewest ids of any tree. Exact; of equally near rows the first, so the
-/// same at every run. Takes the distances between all distinct rows: 24,565 rows of 5,461 columns are 3.0e8 pairs and
-/// take 6 s, 20 ns each; ten times the rows take a hundred times that. Memory: rows * columns / 8 bytes.
+/// A spanning tree of the rows by Hamming distance, of the least total length: rows x rows, symmetric. The differences
+/// between its neighbours have the fewest ones of any tree. Exact; of equally near rows the first is taken, so every
+/// run gives the same tree. Takes the distances between all distinct rows, so ten times the rows take a hundred times
+/// as long (docs/orders.md has times). Memory: rows * columns / 8 bytes.
 VisibilityMatrix nearest_tree(const VisibilityMatrix& matrix, const Progress& progress = {});
 
 }  // namespace vismat
