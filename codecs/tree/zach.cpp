@@ -6,7 +6,8 @@
 //   zach2  the same for a subset S of the children, the others as in zach0; k bits name S. The paper
 //          prints the intersection's cost as its number of ones, but a decoder needs m bits for it (and the
 //          published sizes of method 1 are above those of method 0, which only m bits explain), so we minimize
-//          m + |S| (m - ones) + (k - |S|) m. Up to 10 children every subset is tried, beyond that only the densest children.
+//          m + |S| (m - ones) + (k - |S|) m. Up to 10 children every subset is tried, beyond that, of each
+//          size, the densest children.
 //   zach3  all bits in a row, child after child; lengths of alternating runs, entropy coded.
 //   zach4  the same bits, of which zeros are the rarer: the number of ones before each zero, entropy coded, after
 //          van de Panne & Stewart's sparse coding with the two values exchanged.

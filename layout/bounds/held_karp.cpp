@@ -1,28 +1,28 @@
-// ALGORITHM. A 1-tree is a spanning tree of the columns and two edges more from the zero point; every closed
-// tour is one, so the cheapest 1-tree costs no more than the cheapest tour. Adding p_i to every edge at i
-// adds 2 sum(p) to every tour and changes which 1-tree is cheapest; the best bound over all p is Held and
-// Karp's. We climb along the subgradient, degree - 2, with 0.3 of the last one mixed in, by steps that shrink
-// when nothing is gained, from the two-nearest bound's potentials, minus half the second nearest distance.
+// ALGORITHM. Held and Karp's lower bound. A 1-tree is a spanning tree of the columns and two more edges from the zero
+// point. Every closed tour is a 1-tree, so the cheapest 1-tree costs no more than the cheapest tour. Adding p_i to
+// every edge at i adds 2 sum(p) to every tour and changes which 1-tree is cheapest; the best bound over all p is Held
+// and Karp's. We climb along the subgradient, degree - 2, with 0.3 of the last one mixed in. The steps shrink when
+// nothing is gained. We begin with the two-nearest bound's potentials, minus half the second nearest distance.
 //
-// Priced. The ascent looks at candidate edges only: the nearest few of each point and a known tour's. What it
-// finds there is no bound, since a pair outside may have become cheap. So its best potentials are priced over
-// all pairs: a pair can be in the cheapest spanning tree only if it costs less than the dearest edge on the
-// candidate tree's path between its ends (the cycle property). The pairs that do join the candidates, whose
-// cheapest 1-tree is then that of the complete graph: a bound. Kruskal's merges, laid side by side, put the
-// points in a row in which that dearest edge is the maximum of the merges between two places, so pricing is a
-// scan of each row of the distance table. The next round climbs on over the larger graph.
+// Pricing. The ascent looks only at candidate edges: the nearest few of each point and those of a known tour. Its
+// result is no bound, since a pair outside the candidates may have become cheap. So its best potentials are priced over
+// all pairs. A pair can be in the cheapest spanning tree only if it costs less than the most expensive edge on the
+// candidate tree's path between its ends (the cycle property). The pairs that are this cheap join the candidates, whose
+// cheapest 1-tree is then that of the complete graph, which is a bound. Kruskal's merges, laid side by side, put the
+// points in a row in which that most expensive edge is the maximum of the merges between two places. So pricing is a
+// scan of each row of the distance table. The next round continues the ascent over the larger graph.
 //
-// PROOF of the integers. Distances are scaled by `scale` and potentials are integers of that scale, so a
-// 1-tree's weight W is exact and every tour T satisfies scale * length(T) >= W - 2 sum(p). Length is twice
-// the runs, hence runs >= (W - 2 sum(p)) / (2 scale), rounded up, whatever the potentials: the floating-point
-// steps that led to them do not matter. Distances that are cut off at 65535 only lower W.
+// PROOF for integers. Distances are scaled by `scale` and potentials are integers of that scale, so a 1-tree's weight W
+// is exact and every tour T satisfies scale * length(T) >= W - 2 sum(p). The length is twice the number of runs, hence
+// runs >= (W - 2 sum(p)) / (2 scale), rounded up, whatever the potentials: the floating-point steps that led to them do
+// not matter. Distances that are cut off at 65535 only lower W.
 //
-// Measured (bench/order_scale, two cores that others used as well): power plant at 1/16, 24,400 points, 8 rounds of 50
-// steps in 22 s, the scale tour 3.7 % above; at 1/64, 5,900 points, 1.5 s and 3.8 %. A step takes 3 ms at the
-// former size, a pricing half a second, the table of pairs 3 s; ascending over all pairs took .9 s a step.
+// Measured (bench order-scale, two cores that others used as well): power plant at 1/16, 24,400 points, 8 rounds of 50
+// steps in 22 s, the scale tour 3.7 % above; at 1/64, 5,900 points, 1.5 s and 3.8 %. At the former size a step takes 3
+// ms, a pricing half a second, the table of pairs 3 s; an ascent over all pairs took 0.9 s for each step.
 //
-// NOT sound, though tempting: the spanning tree of the candidates alone; sums of bounds over blocks of
-// columns (edges between blocks may replace edges within).
+// NOT valid, though tempting: the spanning tree of the candidates alone; sums of bounds over blocks of columns (edges
+// between blocks may replace edges within).
 #include "layout/bounds/held_karp.h"
 
 #include <algorithm>

@@ -1,20 +1,20 @@
-// ALGORITHM AND PROOFS. Distances are |i \ j| + |j \ i|, the ones that either column has alone.
+// ALGORITHM AND PROOFS. The two-nearest lower bound. The distance of columns i and j is |i \ j| + |j \ i|, the ones
+// that only one of them has.
 //
-// Certificate. Cut the rows into groups, in any way; no column's ones in a group can differ from another's by
-// more than their distance there, so the sum of the differences of these counts is a lower bound, and it
-// stays one where counts are cut off at 255. It holds for blocks of columns as well, with the gap between the
-// least and greatest counts of each. Points are taken in blocks along a good order, so that a block's counts
-// are much alike; the other blocks are met nearest first, by that bound, until the bound is no less than the
-// last distance of every list in the block: what is left is no nearer. Or until the work is used up: then the
-// next block's bound is the threshold of all. Within a block that is met, a point is first held against the
-// block's counts, then against each point's, then sketches, then exactly. Groups follow the rows' first
-// appearance along the order: rows of one region together, whatever their numbers. Tried and lost: prefix
-// filtering (rarest rows against an inverted index), exact too, but 10 s against 1 at 25,000 columns and
-// growing with the square.
+// Certificate. Divide the rows into groups, in any way. The numbers of ones that two columns have in a group differ at
+// most by their distance there. So the sum of the differences of these counts is a lower bound of the distance, and it
+// remains one if counts are cut off at 255. It holds for blocks of columns as well, with the gap between the least and
+// greatest counts of each. Points are taken in blocks along a good order, so that a block's counts are similar. The
+// other blocks are visited nearest first, by that bound, until the bound is no less than the last distance of every
+// list in the block: the remaining points are no nearer. If the work is used up before that, the next block's bound is
+// the threshold of all. Within a visited block, a point is first compared with the block's counts, then with each
+// point's counts, then by sketches, then exactly. Groups follow the rows' first appearance along the order: rows of one
+// region are together, whatever their numbers. Tried and lost: prefix filtering (rarest rows against an inverted
+// index), exact too, but 10 s against 1 s at 25,000 columns and growing with the square.
 //
-// 2-nearest bound. A closed tour has two edges at each point and is half the sum of them; each two are at
-// least the two shortest that exist, and unlisted ones are at least the threshold long. Runs are half the
-// length.
+// Two-nearest bound. A closed tour has two edges at each point, and its length is half the sum of them. The two are at
+// least as long as the two shortest that exist, and unlisted ones are at least as long as the threshold. The number of
+// runs is half the length.
 #include "layout/bounds/nearest_bound.h"
 
 #if defined(__SSE2__)

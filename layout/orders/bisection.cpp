@@ -1,6 +1,7 @@
-// ALGORITHM. For each row with n ids among a part of m columns the paper counts n log2(m / (n + 1)) bits. For two halves and
-// each column, the gain of moving it to the other half follows from the rows' counts in both; columns of either half are sorted
-// by gain and swapped pair by pair while the two gains add up to something, again and again. Then each half on its own.
+// ALGORITHM. Recursive graph bisection. The paper counts n log2(m / (n + 1)) bits for each row with n ids among a part
+// of m columns. The rows' counts in two halves give the gain of moving each column to the other half. The columns of
+// each half are sorted by gain and swapped pair by pair as long as the two gains have a positive sum, again and again.
+// Then each half is divided likewise.
 #include "layout/orders/bisection.h"
 
 #include <algorithm>

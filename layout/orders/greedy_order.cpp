@@ -1,12 +1,10 @@
-// ALGORITHM. Nearest unvisited neighbour in Hamming space. Two sets whose sizes differ by s differ in at
-// least s columns; rows are kept in a list sorted by size, and from the last row's place the search goes
-// outward on both sides until the size difference alone reaches the best distance found (the paper's
-// secondary index). Placed rows leave the list, whose gaps are jumped over by path-compressed links. A
-// distance is given up once it passes the best so far.
+// ALGORITHM. Nearest unvisited neighbour in Hamming space. Two sets whose sizes differ by s differ in at least s
+// columns. Rows are kept in a list sorted by size, and from the last row's place the search goes outward on both sides
+// until the size difference alone reaches the best distance found (the paper's secondary index). Placed rows leave the
+// list; path-compressed links jump over its gaps. The computation of a distance stops when it exceeds the best so far.
 //
-// Physical limit: artificial 2 (24578 rows of 86 words) has 3.0e8 pairs, 2.6e10 word pairs: without the index
-// 2-3 s on a core that XORs and counts 8 words a cycle, 11 s at one word a cycle. bench/layout.cpp has the
-// time.
+// The limit: artificial 2 (24578 rows of 86 words) has 3.0e8 pairs, 2.6e10 pairs of words. Without the index they take
+// 2-3 s on a core that XORs and counts 8 words in a cycle, 11 s at one word in a cycle.
 #include "layout/orders/greedy_order.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// ALGORITHM. From bits: popcounts of a few points against all, so that these stay in the cache. From the index: each one of
-// a point adds 1 to all points with a one in that row, and |a xor b| = |a| + |b| - 2 |a and b|. Which is cheaper is told
-// by their costs as measured, in nanoseconds below.
+// ALGORITHM. Distances of all pairs of columns. From bits: popcounts of a few points against all, so that these few
+// stay in the cache. From the index: each one of a point adds 1 to all points with a one in that row, and |a xor b| =
+// |a| + |b| - 2 |a and b|. Their measured costs, in nanoseconds below, decide which is cheaper.
 #include "layout/points/pair_distances.h"
 
 #include <algorithm>

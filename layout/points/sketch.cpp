@@ -1,14 +1,14 @@
-// ALGORITHM. Sketch: bit hash(row) of a column's sketch is the parity of its ones with that hash. Folding a
-// difference can only cancel ones of it, hence the lower bound.
+// ALGORITHM. Sketches and near points. Bit h of a column's sketch is the parity of the number of its ones whose row has
+// hash h. Folding the difference of two columns can only cancel ones of it, hence the lower bound.
 //
-// Candidates: one-permutation min-hash [Li, Owen, Zhang 2012]. A single hash of each one falls into one of 3
-// * tables bins, each keeping its least; three bins make a table's key, an empty bin borrows from the next
-// one that is not [Shrivastava & Li 2014]. Columns sorted by key stand near those they share many ones with,
-// whatever their number; a window around each is a candidate list. Then a round of NN-descent [Dong, Moses,
-// Li 2011]: neighbours of neighbours, read from the finished lists of the round before, so that threads
-// cannot change the result. Up to there the sketches stand for distances; in the end a third more than asked
-// for are measured exactly. Power plant at 1/16 (25,000 columns): at least 89 % of the ten nearest are found,
-// in 0.75 s; a tour along the exact lists is 0.3 % shorter.
+// Candidates come from one-permutation min-hash [Li, Owen, Zhang 2012]. A single hash of each one falls into one of 3 *
+// tables bins, each of which keeps its least. Three bins make a table's key, and an empty bin borrows from the next one
+// that is not [Shrivastava & Li 2014]. Columns sorted by key are near those with which they have many ones in common,
+// whatever their number; a window around each is a candidate list. Then comes a round of NN-descent [Dong, Moses, Li
+// 2011]: neighbours of neighbours, read from the finished lists of the round before, so that threads cannot change the
+// result. Up to here sketches stand in for distances; at the end a third more neighbours than asked for are measured
+// exactly. On the power plant at 1/16 (25,000 columns) at least 89 % of the ten nearest are found, in 0.75 s; a tour
+// along the exact lists is 0.3 % shorter.
 #include "layout/points/sketch.h"
 
 #include <algorithm>

@@ -1,5 +1,6 @@
-// ALGORITHM. Columns are sorted by a 64-bit hash of their ids; columns with equal hashes are compared with
-// the first of each kind among them, so a clash of hashes costs time and never merges what differs.
+// ALGORITHM. Finding equal columns. Columns are sorted by a 64-bit hash of their ids. Columns with equal hashes are
+// compared with the first of each kind among them, so a collision of hashes costs time and never merges columns that
+// differ.
 #include "layout/points/sparse_points.h"
 
 #include <algorithm>

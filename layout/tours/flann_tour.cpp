@@ -1,23 +1,26 @@
-// ALGORITHM. Near columns by FLANN's hierarchical clustering [Muja & Lowe 2012]: a few trees, each split around random
-// columns; a query descends them and goes on in the nearest branches left until it has looked at `checks` columns. The
-// distances are counted anew, then it is the polished tour.
+// ALGORITHM. A polished tour on FLANN's neighbours. FLANN's hierarchical clustering [Muja & Lowe 2012] finds near
+// columns with a few trees, each split around random columns. A query descends them and continues in the nearest
+// branches left until it has examined `checks` columns. The distances are then computed exactly, and the polished tour
+// follows.
 //
-// What FLANN 1.9.2 asks of its caller, each tested: columns in whole 8 bytes (it ignores what is beyond), distinct ones (equal
-// ones pile up in one leaf), a matrix for the results (its LSH repeats an id in vectors), a finite number of checks (with
-// FLANN_CHECKS_UNLIMITED it stops at the first k), no hope of the same result twice. It drops branches once as many wait as
-// there are points; a list that this left short would be filled up with the next points.
+// What FLANN 1.9.2 demands of its caller, each tested: columns in whole 8 bytes (it ignores the rest), distinct columns
+// (equal ones pile up in one leaf), a matrix for the results (its LSH repeats an id in vectors), and a finite number of
+// checks (with FLANN_CHECKS_UNLIMITED it stops at the first k). Results differ from call to call. It drops branches
+// once as many wait as there are points; a list that this left short would be filled up with the next points.
 //
-// Parameters: FLANN's own trees. Recall of the ten nearest in processor seconds, power plant at 1/64: 1 tree .990 in .44, 4
-// trees .9999 in .91, 8 trees 1 in 1.14; parts of 8 .998 in .45. Artificial 2: 256 checks .91 in 1.8, 512 .97 in 3.
+// Parameters: FLANN's own trees. Recall of the ten nearest and processor seconds, power plant at 1/64: 1 tree 0.990 in
+// 0.44, 4 trees 0.9999 in 0.91, 8 trees 1 in 1.14; parts of 8 0.998 in 0.45. Artificial 2: 256 checks 0.91 in 1.8, 512
+// 0.97 in 3.
 //
-// Measured: the tours are the polished tour's to .06 % either way (artificial 1 and 2, faces of oasago2 and ctf_inyard). The
-// lists cost more than all pairs up to some 20,000 columns: 2.7 s to 1.3 s (artificial 2, 5461), 4.6 to 3.6 (power plant,
-// 12104), 22.4 to 24.1 (24425).
+// Measured: the tours equal the polished tour's to 0.06 % either way (artificial 1 and 2, faces of oasago2 and
+// ctf_inyard). The lists cost more than all pairs up to some 20,000 columns: 2.7 s to 1.3 s (artificial 2, 5461), 4.6
+// to 3.6 (power plant, 12104), 22.4 to 24.1 (24425).
 //
-// Lost: a walk to the nearest unvisited instead of greedy edges is 1.1 to 1.7 times as long, and after polishing up to 1.2 %
-// longer. LSH (bench/flann_recall; 3000 to 10000 columns, 256 to 16384 rows): nearly every key is zero, 7 to 120 times the time
-// of a scan; with keys of up to 26 bits, 2 to 23 times at up to 5 % density (.7 in 256 rows at 5 %), and recall .89 to .95 in
-// .2 to .5 of the time at 20 %. Hierarchical: recall .97 to 1 in .4 to 1.4 of the time.
+// Tried and lost: a path to the nearest unvisited point instead of greedy edges is 1.1 to 1.7 times as long, and after
+// polishing up to 1.2 % longer. LSH (bench flann-recall; 3000 to 10000 columns, 256 to 16384 rows): nearly every key is
+// zero, 7 to 120 times the time of a scan; with keys of up to 26 bits, 2 to 23 times at up to 5 % density (0.7 in 256
+// rows at 5 %), and recall 0.89 to 0.95 in 0.2 to 0.5 of the time at 20 %. Hierarchical: recall 0.97 to 1 in 0.4 to 1.4
+// of the time.
 #include "layout/tours/flann_tour.h"
 
 #include <algorithm>

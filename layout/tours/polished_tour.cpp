@@ -1,9 +1,10 @@
-// ALGORITHM. All of it lies in local_search.h; here distances are counted bits, and those of tour edges kept.
+// ALGORITHM. Polished tours. local_search.h has the method; here distances are counted bits, and those of tour edges
+// are kept.
 //
-// Measured, 20 kicks a point, above Held and Karp's bound: artificial 1 .21 %, in .5 s of processor time; ctf_compromise.cc
-// (3364 columns) .98 % in 1.7 s, oasago2.cf 1.55 % in .7 s, six more cell and face matrices .8 to 1.8 %; artificial 2
-// (5461 columns of 24578 rows) 3140248 runs in 6.8 s with the lists, two cores shared with others. 50 kicks a
-// point save 0 to .2 % more.
+// Measured with 20 kicks for each point, above Held and Karp's bound: artificial 1 0.21 %, in 0.5 s of processor time;
+// view cells of ctf_compromise (3364 columns) 0.98 % in 1.7 s, faces of oasago2 1.55 % in 0.7 s, six more matrices of
+// view cells and faces 0.8 to 1.8 %; artificial 2 (5461 columns of 24578 rows) 3140248 runs in 6.8 s with the lists,
+// two cores shared with others. 50 kicks for each point save 0 to 0.2 % more.
 #include "layout/tours/polished_tour.h"
 
 #include <utility>

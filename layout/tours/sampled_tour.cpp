@@ -1,9 +1,8 @@
-// ALGORITHM [Chhugani et al. 2005, 6.1], with two liberties.
-// - Columns in blocks of samples / 8 share a sample: one for all would leave every other column unlisted, one
-//   for each is too dear. A block's exact distances then come from an inverted index of its sample: each one
-//   of a column adds 1 to the sampled columns that share its row, and |a xor b| = |a| + |b| - 2 |a and b|. No
-//   distance is ever merged.
-// - Step 4 does not say which flips: here 2-opt, the new edge within the nearest few of a list.
+// ALGORITHM [Chhugani et al. 2005, 6.1]. The paper's tour, with two liberties.
+// - Columns in blocks of samples / 8 share a sample: one sample for all would leave every other column unlisted, one
+//   for each is too expensive. A block's exact distances then come from an inverted index of its sample: each one
+//   of a column adds 1 to the sampled columns with a one in that row, and |a xor b| = |a| + |b| - 2 |a and b|.
+// - Step 4 does not say which edges are flipped: here it is 2-opt, with the new edge within the nearest few of a list.
 #include "layout/tours/sampled_tour.h"
 
 #include <algorithm>

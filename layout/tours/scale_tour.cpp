@@ -1,12 +1,12 @@
-// ALGORITHM. Greedy edges [Bentley 1992] over the lists leave fragments: what is near their ends lies inside
-// other fragments. So the ends alone are sorted by min-hash, with another seed each round; neighbours within
-// a window become candidate edges, shortest sketch distance first, and the number of ends falls by some
-// factor a round (an end's window always holds one of another fragment). The last few thousand ends are
+// ALGORITHM. Tours of very many points. Greedy edges [Bentley 1992] over the lists leave fragments: the points near
+// their ends are inside other fragments. So only the ends are sorted by min-hash, with another seed in each round.
+// Neighbours within a window become candidate edges, shortest sketch distance first, and the number of ends falls by
+// some factor in each round (an end's window always holds one of another fragment). The last few thousand ends are
 // matched by all pairs of sketches.
 //
-// Measured (bench/order_scale): power plant, 400,000 columns, 5.2e8 ones: .1236 of a random permutation's runs, 102 s of
-// processor time (136 s on two cores that others used as well), 5.3 GB; the 2-nearest bound is 1.23 times below it. With
-// one kick a point .1231 in 191 s.
+// Measured (bench order-scale): power plant, 400,000 columns, 5.2e8 ones: 0.1236 of a random permutation's runs, 102 s
+// of processor time (136 s on two cores that others used as well), 5.3 GB; the two-nearest bound is 1.23 times below
+// it. With one kick for each point 0.1231 in 191 s.
 #include "layout/tours/scale_tour.h"
 
 #include <algorithm>

@@ -17,9 +17,8 @@ std::vector<std::uint32_t> improve_tour(const SparsePoints& points, const Column
                                         const NeighbourLists& lists, std::vector<std::uint32_t> tour,
                                         const LocalMoves& moves = {});
 
-/// Kicks a local optimum, in windows of the tour that are far apart, on several threads; with `seconds`, again and
-/// again for that long. The tour never gets longer. Without `seconds` the same seed gives the same tour with any number
-/// of threads.
+/// Kicks a local optimum: each window of the tour separately, on several threads; with `seconds`, again and again for
+/// that long. The tour never gets longer. Without `seconds` the same seed gives the same tour with any number of threads.
 std::vector<std::uint32_t> kick_tour(const SparsePoints& points, const ColumnSketches& sketches,
                                      const NeighbourLists& lists, std::vector<std::uint32_t> tour,
                                      const PolishOptions& options, unsigned threads = 0);

@@ -1,9 +1,9 @@
-// ALGORITHM. Agglomeration, held to the neighbours of an order: each join looks at two distances instead of all, so that
-// what takes n^2 distances else takes 3 n. Coded over the tree (gotsman3-context), two levels' matrices are within
-// 2 % either way of the tree that may join any two sets; halving the order again and again instead makes 6 % to 16 % more bytes,
-// and k-d trees over the cells' boxes 24 % to 60 %. On artificial 1 these make 6 % to 9 % more too, on artificial 2 2 % to 6 %
-// fewer: there boxes say all. Keys that favour small unions or even trees gave up to 2 % on one level and took up to 2 % on the
-// other. bench/gotsman_tables compares it with the k-d tree.
+// ALGORITHM. Agglomeration, restricted to the neighbours of an order: each join looks at two distances instead of all,
+// so 3 n distances take the place of n^2. Coded over the tree (gotsman3-context), two levels' matrices are within 2 %
+// either way of the tree that may join any two sets. Halving the order again and again instead makes 6 % to 16 % more
+// bytes, and k-d trees over the view cells' boxes 24 % to 60 % more. On artificial 1 k-d trees also make 6 % to 9 %
+// more, on artificial 2 2 % to 6 % fewer: there boxes say all. Keys that favour small unions or even trees gained up to
+// 2 % on one level and lost up to 2 % on the other. bench gotsman-tables compares the tree with the k-d tree.
 #include "layout/trees/set_tree.h"
 
 #include <algorithm>
