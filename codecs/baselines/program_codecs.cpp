@@ -72,7 +72,7 @@ class FileActions {
   posix_spawn_file_actions_t actions_;
 };
 
-// Runs argv[0], found on PATH, in the folder. Empty where it ended well, otherwise what it complained of.
+// Runs argv[0], found on PATH, in the folder. Returns its error message; empty if it succeeded.
 template <std::size_t n>
 std::string complaint_of(const ScratchFolder& folder, const char* package, const char* const (&argv)[n]) {
   std::array<char*, n + 1> arguments{};
@@ -107,7 +107,7 @@ std::vector<std::byte> decoded_or_refuse(const std::string& complaint, const std
   return read_file(file);
 }
 
-// --- zpaq -method 5. One thread and one date, since both show in its bytes.
+// --- zpaq -method 5. One thread and one date, since its bytes depend on both.
 
 constexpr const char* zpaq_package = "zpaq";
 
@@ -145,7 +145,7 @@ void reverse_bits(std::span<std::byte> bytes) {
   }
 }
 
-// An image has pixels; a matrix without any is an empty payload.
+// An image must have pixels, so a matrix without entries is an empty payload.
 bool has_entries(Shape shape) {
   return shape.rows > 0 && shape.columns > 0;
 }
@@ -216,7 +216,7 @@ bool on_path(const std::string& program) {
   return false;
 }
 
-// What each of the table runs.
+// The programs that each codec of the table runs.
 const std::array<std::vector<std::string>, table.size()> programs = {{{"zpaq"}, {"pbmtojbg", "jbgtopbm"}}};
 
 }  // namespace

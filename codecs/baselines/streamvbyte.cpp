@@ -70,7 +70,7 @@ class StreamVByte {
 
    private:
     static constexpr std::size_t piece = 256, padding = 16;
-    // Of `count` numbers; what is unused of the last control byte must be zero to mean one byte each.
+    // The length of `count` numbers; unused bits of the last control byte must be zero, which means one byte each.
     static std::size_t data_size(Bytes control, std::size_t count) {
       std::size_t size = count;
       for (const std::byte four : control) {

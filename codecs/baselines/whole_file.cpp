@@ -136,7 +136,7 @@ VisibilityMatrix bzip2_decode(Bytes payload, Shape shape) {
   return matrix_or_refuse(whole, bitmap, shape, "bzip2");
 }
 
-// --- xz -9e, but for a dictionary no larger than the data: what it finds is the same, and a decoder needs no 64 MiB
+// --- xz -9e, but with a dictionary no larger than the data: it finds the same, and a decoder needs no 64 MiB
 
 Step lzma_step(lzma_ret code) {
   return code == LZMA_STREAM_END ? Step::ended : code == LZMA_OK ? Step::more : Step::failed;

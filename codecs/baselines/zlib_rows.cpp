@@ -60,8 +60,8 @@ class Inflater {
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
 
-  // All that one stream holds, at most `most` bytes; valid until the next call. The buffer grows to the largest, but to no
-  // more than 1032 bytes for one of the stream: deflate cannot say 258 equal bytes in less than two bits.
+  // All that one stream contains, at most `most` bytes; valid until the next call. The buffer grows to the largest, but to no
+  // more than 1032 bytes for one of the stream: deflate takes at least two bits for 258 equal bytes.
   Bytes inflate(Bytes in, std::size_t most, Framing framing) {
     if (most >> 32 != 0 || in.size() >> 32 != 0) throw FormatError("zlib: rows of 2^32 bytes or more");
     const std::size_t room = std::min(most, 1032 * in.size());

@@ -148,7 +148,7 @@ void PanneRows::read_clusters(ByteReader& in, std::uint32_t count) {
   }
   begin_at_[columns_] = told;
   if (told != count) throw FormatError("fewer clusters begin than there are");
-  // Steps as they are told: where one begins is not known before it is known how far the clusters before it reach.
+  // Steps as they are coded: a step's beginning depends on how far the clusters before it reach.
   struct Step {
     std::uint32_t zeros, count;
     bool is_cluster;

@@ -87,7 +87,7 @@ class Search {
     rounds(effort, [this](Known& known) { share_round(known); });
     rounds(effort, [this](Known& known) { join_round(known); });
   }
-  // Stuck: some clusters are taken apart, and what they held finds other partners. One step to the caller, if it saves.
+  // Stuck: some clusters are dissolved, and their symbols find other partners. The caller sees one step, if it saves.
   void try_otherwise() {
     const PanneTable before = table_;
     std::vector<bool> chosen(table_.clusters());
@@ -177,7 +177,7 @@ class Search {
     return known;
   }
 
-  // Orders of the active items' numbers in which sets that are alike stand near one another.
+  // Orders of the active items' numbers in which similar sets are near one another.
   template <typename Elements, typename Place>
   std::vector<std::vector<std::uint32_t>> orders_of(Known& known, std::span<const std::uint32_t> active,
                                                     const Elements& elements, const Place& in_matrix) {

@@ -47,7 +47,7 @@ AnsTable AnsTable::from_counts(const Counts& counts) {
     shares[s] = std::max(1u, static_cast<std::uint32_t>(static_cast<double>(counts[s]) / sum * states));
     left -= static_cast<std::int32_t>(shares[s]);
   }
-  // What rounding leaves over, or took too much, settle the largest shares, where it matters least.
+  // The largest shares take what rounding left over or took too much, since there it matters least.
   while (left != 0) {
     const auto top = std::max_element(shares.begin(), shares.end());
     const std::int32_t step = left > 0 ? left : -std::min(-left, static_cast<std::int32_t>((*top + 1) / 2));

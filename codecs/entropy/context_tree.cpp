@@ -58,7 +58,7 @@ double entropy(std::uint64_t ones, std::uint64_t count) {
              n = static_cast<double>(count);
   return a * std::log2(n / a) + b * std::log2(n / b);
 }
-// Bits that they take by a probability that can be written down.
+// Bits that they take by a probability that can be stored.
 double code_bits(std::uint64_t ones, std::uint64_t count) {
   const double share = nearest_share(ones, count);
   return static_cast<double>(ones) * std::log2(2 * half / share) +
@@ -67,7 +67,7 @@ double code_bits(std::uint64_t ones, std::uint64_t count) {
 
 using Words = std::array<std::uint64_t, 64>;
 
-// Swaps the blocks of Size x Size bits beside the diagonal, the step for Size of what transposes all 64 x 64.
+// Swaps the blocks of Size x Size bits beside the diagonal: one step of transposing 64 x 64 bits.
 template <unsigned Size>
 [[gnu::always_inline]] inline void swap_blocks(Words& words) {
   constexpr std::uint64_t low =
@@ -126,7 +126,7 @@ struct ContextTree::Grower {
   unsigned questions;
   double weight;
 
-  // What the subtree takes that is best for these samples, as `at`, its own description included.
+  // The bits that the best subtree for these samples takes as node `at`, its own description included.
   double grow(std::span<std::uint64_t> samples, std::uint32_t at) {
     Counts counts;
     count_answers(samples, counts);
@@ -205,7 +205,7 @@ ContextTree ContextTree::read(ByteReader& in, unsigned questions) {
   };
   struct Place {
     std::uint32_t node;
-    std::uint64_t asked;  // on the way there
+    std::uint64_t asked;  // on the path to it
   };
   ContextTree tree;
   std::vector<Place> waiting = {{0, 0}};

@@ -101,8 +101,8 @@ void RangeDecoder::no_symbol() {
   throw FormatError("range coder: no symbol stands here");
 }
 
-// What is left of the code value is how far the encoder's last value stands above its low, so the value that it chose can be
-// told without low's higher bytes.
+// What remains of the code value is the distance of the encoder's last value from its low. So the value that it chose is known
+// without low's higher bytes.
 void RangeDecoder::finish() const {
   std::uint32_t value = 0;
   for (std::size_t i = next_ - 4; i < next_; ++i)

@@ -70,7 +70,7 @@ class RangeDecoder {
   explicit RangeDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
     for (int i = 0; i < 4; ++i) code_ = code_ << 8 | byte();
   }
-  std::uint32_t get(const FrequencyTable& table);  // FormatError where no symbol can stand here
+  std::uint32_t get(const FrequencyTable& table);  // FormatError where no symbol is possible
   std::uint32_t get_raw(unsigned count);
   bool get_bit(std::uint32_t ones) {
     const std::uint32_t unit = range_ >> FrequencyTable::bits;

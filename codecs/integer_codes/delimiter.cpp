@@ -74,7 +74,7 @@ constexpr u64 reversed(u64 bits) {
   return bits >> 32 | bits << 32;
 }
 
-// Of ones that stand together the first, the third and so on, and the place behind if they are odd in number.
+// Of each group of ones in a row the first, the third and so on, and the place behind the group if their number is odd.
 constexpr u64 every_other(u64 ones) {
   constexpr u64 odd_places = 0xaaaaaaaaaaaaaaaa;
   return ((ones << 1 | odd_places) - ones) ^ odd_places;
@@ -127,13 +127,13 @@ constexpr auto number_of_small = [] {
   throw FormatError("delimiter code, bit " + std::to_string(place) + ": " + what);
 }
 
-// Of a code of 2 to 63 bits. A number of more than 32 bits comes out as some number of more than 32 bits.
+// The number of a code of 2 to 63 bits. A number of more than 32 bits gives some number of more than 32 bits.
 u64 number_of_code(Code code) {
   if (code.bits >> (code.length - 2) == 3) {  // what ends in 01 got one more 1
     --code.length;
     code.bits &= low_bits(code.length);
   }
-  // Two ones stand together only where a 0 was put behind them.
+  // Two ones follow one another only where a 0 was inserted behind them.
   for (u64 put = ~code.bits & code.bits << 1 & code.bits << 2; put != 0; put = (put & (put - 1)) >> 1) {
     const u64 below = (put & -put) - 1;
     code.bits = (code.bits & below) | (code.bits >> 1 & ~below);
@@ -171,7 +171,7 @@ inline Starts starts_in(u64 zeros) {
   return {zeros, ones, behind_odd, heads, all};
 }
 
-// A window's numbers, of all codes but the last that begins in it: for each a look into the table.
+// The numbers of all codes but the last that begins in a window, each by a look into the table.
 struct NumbersByTable {
   u64 ones = 0;
   u64 ends = 0;  // where the number behind starts
@@ -201,15 +201,15 @@ struct NumbersByTable {
 };
 
 #if defined(__x86_64__)
-// The bits of `from` at the ones of `mask`, moved together. Written as the instruction, for the intrinsic function would
-// have to stand in functions compiled for BMI2 alone.
+// The bits of `from` at the ones of `mask`, moved together. Written as the instruction, since the intrinsic function may only
+// be used in functions compiled for BMI2.
 inline u64 extracted(u64 from, u64 mask) {
   u64 bits;
   __asm__("pext %2, %1, %0" : "=r"(bits) : "r"(from), "r"(mask));
   return bits;
 }
 
-// The same by extraction of the numbers' own bits from the whole window. What is left are shifts, without a branch that
+// The same by extraction of the numbers' own bits from the whole window. The rest are shifts, without a branch that
 // depends on a number.
 struct NumbersByExtraction {
   u64 digits = 0;  // from the highest bit on
@@ -278,7 +278,7 @@ void put_delimited(std::vector<std::byte>& out, std::span<const std::uint32_t> n
     out.insert(out.end(), bytes.data(), to);
   }
   if (held > 0) out.push_back(static_cast<std::byte>(pending));
-  // Of the delimiter behind the last number one 1 stays, the list's end.
+  // One 1 of the delimiter behind the last number stays as the list's end.
   const auto last = std::to_integer<unsigned>(out.back());
   out.back() = static_cast<std::byte>(last ^ std::bit_floor(last));
   if (last == 1) out.pop_back();
@@ -286,7 +286,7 @@ void put_delimited(std::vector<std::byte>& out, std::span<const std::uint32_t> n
 
 bool DelimitedReader::has_fast_extraction() {
 #if defined(__x86_64__)
-  // Before Zen 3 AMD's processors take it bit by bit.
+  // Before Zen 3 AMD's processors execute it bit by bit.
   static const bool has =
       __builtin_cpu_supports("bmi2") && !__builtin_cpu_is("amdfam15h") && !__builtin_cpu_is("amdfam17h");
   return has;
@@ -328,7 +328,7 @@ std::int64_t DelimitedReader::ones_from(std::int64_t place, std::int64_t enough)
   return enough;
 }
 
-// The number behind the delimiter at next_, whatever follows it, and numbers 1 as far as they follow and fit.
+// Reads the number behind the delimiter at next_, whatever follows it, and the numbers 1 that follow and fit.
 std::uint32_t* DelimitedReader::read_run(std::uint32_t* to, std::uint32_t* end) {
   constexpr const char* too_large = "a number above 2^32 - 1";
   const auto write_ones = [&](std::int64_t ones_there) {
@@ -364,8 +364,8 @@ std::size_t DelimitedReader::read_by(std::span<std::uint32_t> out) {
   std::uint32_t* to = out.data();
   std::uint32_t* const end = to + out.size();
   std::uint32_t* const limit = end - 2 * (most_in_window + 1);
-  // A window's numbers are written when the next window's are found: the steps of either wait for one another, so that the
-  // processor has something to do meanwhile.
+  // A window's numbers are written while the next window's are found: within each task the steps wait for one another, so the
+  // processor interleaves the two.
   Numbers found;
   const auto write = [&] {
     if (found.ends != 0 && !found.write(to)) [[unlikely]] {

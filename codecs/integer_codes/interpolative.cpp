@@ -10,7 +10,7 @@ namespace {
 constexpr const char* name = "interpolative code";
 constexpr std::uint64_t largest_sum = std::uint64_t{1} << 56;
 
-// How one of `range` values is told: those below `shorter` in `bits` bits, others in one more.
+// The code of one of `range` values: those below `shorter` take `bits` bits, others one more.
 struct Choice {
   explicit Choice(std::uint64_t range)
       : bits(range == 1 ? 0 : static_cast<unsigned>(std::bit_width(range - 1)) - 1),

@@ -40,7 +40,7 @@ void LzwCode::put(std::vector<std::byte>& out, std::span<const std::uint32_t> nu
   bits.finish();
 }
 
-// Writes what the next code stands for to the end of text_.
+// Writes the bytes of the next code to the end of text_.
 void LzwCode::Reader::expand() {
   const auto width = static_cast<unsigned>(std::bit_width(made_ - 1));
   const auto code = static_cast<unsigned>(lowest_bits(bits_.peek(), width));

@@ -146,7 +146,7 @@ class RelativeToSibling : public GotsmanBits {
 };
 
 // What is known of a node's next object, as a context of ContextTree; docs/vmat.md numbers the questions. A trit is 1 if the
-// first child sees the object, plus 2 if the second does; 0 stands for none.
+// first child sees the object, plus 2 if the second does; 0 means that there is none.
 class Trits {
  public:
   static constexpr unsigned questions = 44;

@@ -186,11 +186,11 @@ std::size_t end_of_run(std::span<const std::uint8_t> bits, std::size_t i, std::u
   return i;
 }
 
-// A way to see a row of bits as lengths: cut(bits, emit) calls emit(context, length >= 1), and paste, asking
+// One of the two divisions of a row of bits into lengths: cut(bits, emit) calls emit(context, length >= 1), and paste, asking
 // next(context) for lengths, undoes it. `contexts` says how many tables a coder with contexts may keep.
 struct AlternatingRuns {
   static constexpr std::size_t contexts = 2;  // the run's value
-  static constexpr unsigned first_bits = 1;   // the first run's value is told
+  static constexpr unsigned first_bits = 1;   // for the first run's value
 
   template <typename Emit>
   static void cut(std::span<const std::uint8_t> bits, const Emit& emit) {
@@ -238,7 +238,7 @@ struct OnesBeforeZeros {
   }
 };
 
-// What both entropy coders do first: count symbols, by context.
+// What both entropy coders do first: they count symbols, by context.
 template <typename Lengths>
 class CountedLengths : public NodeCoder {
  public:

@@ -16,7 +16,7 @@
 namespace vismat {
 namespace {
 
-// Of each member how many members back the last one of its group stands, plus 1; 1 for the first of a group.
+// For each member the distance back to the previous one of its group, plus 1; 1 for the first of a group.
 std::vector<std::uint32_t> steps_back(const Partition& groups) {
   constexpr std::uint32_t none = 0xffffffff;
   std::vector<std::uint32_t> last(groups.groups(), none), steps;
@@ -28,7 +28,7 @@ std::vector<std::uint32_t> steps_back(const Partition& groups) {
   return steps;
 }
 
-// Groups in the order in which their first members stand.
+// Groups in the order of their first members.
 std::vector<std::uint32_t> by_first_member(const Partition& groups) {
   std::vector<bool> met(groups.groups(), false);
   std::vector<std::uint32_t> order;
@@ -40,7 +40,7 @@ std::vector<std::uint32_t> by_first_member(const Partition& groups) {
   return order;
 }
 
-// A short entry may stand for a long name: together names may be as long as this.
+// A short entry may be a long name: together names may be as long as this.
 std::uint64_t most_of_names(std::uint64_t section_bytes) {
   return (std::uint64_t{1} << 24) + 256 * section_bytes;
 }
@@ -119,8 +119,8 @@ std::optional<Partition> groups_from_bytes(std::span<const std::byte> bytes, std
   }
 }
 
-// Boundaries ascend, those from outside first: how many these are, each step between their cells; then of each of the others
-// the step from the last one's first cell and the step to its second.
+// Boundaries ascend, those from outside first: their number, and each step between their view cells; then for each of the others
+// the step from the last one's first view cell, and the step to its second.
 std::vector<std::byte> boundary_bytes(std::span<const Boundary> boundaries) {
   std::vector<std::byte> out;
   if (boundaries.empty()) return out;
@@ -171,7 +171,7 @@ std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, st
   return boundaries;
 }
 
-// Of each name how many bytes it begins with that the one before has too, how many more it has, and these.
+// For each name the number of bytes that it begins with like the one before, the number of further bytes, and these.
 std::vector<std::byte> name_bytes(std::span<const std::string> names) {
   std::vector<std::byte> out;
   std::string_view last;
@@ -212,7 +212,7 @@ std::vector<std::string> names_from_bytes(std::span<const std::byte> bytes) {
   return names;
 }
 
-// Of each column how far its object stands from the last one's, up or down (twice, less 1 where down), and the level.
+// For each column the distance of its object's number from the last column's (twice, less 1 if downwards), and the level.
 std::vector<std::byte> level_bytes(std::span<const ObjectLevel> levels) {
   std::vector<std::byte> out;
   std::int64_t last = 0;
@@ -238,7 +238,7 @@ std::vector<ObjectLevel> levels_from_bytes(std::span<const std::byte> bytes) {
   return levels;
 }
 
-// How many rows each band but the last has; where there is one band, that there is.
+// The number of bands, and the rows of each band but the last.
 std::vector<std::byte> band_bytes(std::span<const std::uint32_t> bands, std::uint32_t rows) {
   std::vector<std::byte> out;
   if (bands.empty()) return out;

@@ -49,8 +49,7 @@ class Parents {
   };
   Numbering numbering_;
   std::vector<std::uint32_t> parents_;
-  std::vector<Open>
-      open_;  // nodes that wait for children; by branches a stack, by levels a queue from first_ on
+  std::vector<Open> open_;  // nodes that lack children; by branches a stack, by levels a queue from first_ on
   std::size_t first_ = 0;
 };
 

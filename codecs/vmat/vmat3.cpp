@@ -70,7 +70,7 @@ unsigned place_bits(std::uint32_t size) {
   return size < 2 ? 0 : static_cast<unsigned>(std::bit_width(size - 1));
 }
 
-// What a constructor refuses is bad bytes here.
+// What a constructor refuses comes from bad bytes here.
 template <typename Make>
 auto made(const char* section, const Make& make) {
   try {
@@ -128,7 +128,7 @@ std::optional<Partition> groups_of(Bytes bytes, std::uint32_t groups) {
   });
 }
 
-// Codecs over a tree: a varint a part, behind the model.
+// Tree codecs: a varint for each part, behind the model.
 std::vector<std::uint64_t> starts_over_tree(Bytes index, std::uint64_t payload_bytes) {
   ByteReader in(index, "node index");
   std::vector<std::uint64_t> sizes;
@@ -143,7 +143,7 @@ std::vector<std::uint64_t> starts_over_tree(Bytes index, std::uint64_t payload_b
   return sizes;
 }
 
-// Codecs that give rows alone: the Elias-Fano list of where `parts` begin, and of the payload's end.
+// Row codecs: the Elias-Fano list of the places where `parts` begin, and of the payload's end.
 std::vector<std::uint64_t> starts_of_rows(Bytes index, std::uint64_t parts, std::uint64_t payload_bytes) {
   const auto damaged = [] { return FormatError("the row index is damaged"); };
   const std::uint64_t count = parts + 1;
@@ -234,7 +234,7 @@ Container read_vmat3(Bytes bytes, std::span<const Codec> codecs) {
   source.row_groups = groups_of(file->section[row_groups], rows);
   source.column_groups = groups_of(file->section[column_groups], columns);
   source.boundaries = boundaries_from_bytes(file->section[boundaries], rows);
-  // Codecs over a tree of columns take its nodes for the columns, whether the facts say so or not.
+  // Tree codecs over columns take its nodes for the columns, whether the facts say so or not.
   if (codec.needs.tree == TreeOver::columns) source.columns_are_nodes = true;
   // Differences may have a tree over their lists, which no source map has: it serves to decode them.
   SourceMap checked = source;

@@ -17,7 +17,7 @@ constexpr std::size_t section_entry_bytes = 4 + 8;
 /// The checksum of the blocks' checksums, and that of the head before it.
 constexpr std::size_t head_sums_bytes = 4 + 4;
 
-/// Sections stand in ascending order of these numbers, each at most once, none empty.
+/// Sections come in ascending order of these numbers, each at most once, none empty.
 enum class Section : std::uint32_t {
   facts = 1,
   tree = 2,

@@ -191,7 +191,7 @@ std::vector<Edge> cheap_pairs(std::uint32_t n, const Pass& pass, const std::vect
   return edges;
 }
 
-// Joins what is apart by the cheapest pairs, as in a cheapest spanning tree [Boruvka 1926].
+// Joins separate components by the cheapest pairs, as in a cheapest spanning tree [Boruvka 1926].
 std::vector<Edge> joining_pairs(std::uint32_t n, const Pass& pass, const std::vector<std::int32_t>& potential,
                                 UnionFind& components) {
   std::vector<Edge> edges;
@@ -375,7 +375,7 @@ LowerBound held_karp_bound(const SparsePoints& points, std::span<const std::uint
       bound.history.push_back(bound.runs);
       if (progress) progress(round + 1, options.rounds);
     }
-  } catch (const OutOfTime&) {  // what is proven stands
+  } catch (const OutOfTime&) {  // keeps what is proven so far
   }
   return bound;
 }

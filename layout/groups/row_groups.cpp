@@ -42,7 +42,7 @@ struct RowGroups::Lost {
         more(ones_of_a - ones_of_b),
         ones(ones_of_a + ones_of_b),
         uneven(more * (in_a - in_b)) {}
-  /// The greatest distance at which no more than `limit` are lost; none where the sizes alone tell that there is none.
+  /// The greatest distance at which at most `limit` are lost; none if the sizes alone rule it out.
   std::optional<std::uint32_t> farthest(std::uint64_t limit) const {
     if (limit == unbounded) return static_cast<std::uint32_t>(ones);
     const std::int64_t twice = 2 * static_cast<std::int64_t>(limit) + uneven;

@@ -62,7 +62,7 @@ class RowGroups {
 
   // By group.
   BitRows union_,
-      folded_;  // folded: the union's words by exclusive or in a cache line, no further apart than unions are
+      folded_;  // the union's words folded by exclusive or into a cache line; its distances are never larger
   std::vector<std::uint32_t> size_, rows_, most_;  // the union's ones; rows; the least most_of_kind_
   std::vector<std::vector<std::uint32_t>> members_;
   std::vector<std::uint32_t> alive_, place_;

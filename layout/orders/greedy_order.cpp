@@ -117,7 +117,7 @@ Permutation order_rows_by_neighbours(const VisibilityMatrix& matrix, const Visib
       std::uint32_t best = rows, best_distance = 0xffffffff;
       for (const std::uint32_t n : neighbours.row(path.back())) {
         if (placed[n]) continue;
-        // The new row stands behind the last one placed, wherever the walk found it.
+        // The new row comes behind the last one placed, wherever the walk found it.
         const std::uint32_t distance = hamming_distance(bits.row(order.back()), bits.row(n), best_distance);
         if (distance < best_distance) best = n, best_distance = distance;
       }

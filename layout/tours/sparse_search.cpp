@@ -145,7 +145,7 @@ std::vector<std::uint32_t> kick_tour(const SparsePoints& points, const ColumnSke
         options.progress(round * windows + done, 2 * std::uint64_t{windows});
     });
     std::rotate(tour.begin(), tour.begin() + count / windows / 2,
-                tour.end());  // so that the cuts lie elsewhere
+                tour.end());  // so that the cuts are elsewhere
   }
   return tour;
 }

@@ -24,8 +24,8 @@ ObjectTree tree_by_sets(const VisibilityMatrix& matrix, const Stages& stages) {
   if (rows == 0) return {};
   const auto order = best_order(transpose(matrix), {.stages = stages}).old_of_new();
 
-  // Sets 0 to rows - 1 are the rows, the others joins in the order in which they were made. A join's words stand where its
-  // first part's stood.
+  // Sets 0 to rows - 1 are the rows, the others joins in the order in which they were made. A join's words are where its
+  // first part's were.
   BitRows words(matrix);
   constexpr std::uint32_t none = ObjectTree::none;
   const std::size_t sets = 2 * std::size_t{rows} - 1;
