@@ -30,7 +30,7 @@
 
 namespace vismat {
 
-/// The kinds of numbers. The first four occur in the same place, so their shares have one total.
+/// The kinds of numbers. The first four stand in one place, so their shares are of one total.
 enum class PanneNumber { object_step, run_step, cluster_step, end, run, rank, lead, heads };
 constexpr std::size_t panne_steps = 4, panne_numbers = 8;
 
@@ -40,7 +40,7 @@ class PannePrices {
   using Counts = std::array<std::array<std::uint64_t, LengthSymbol::count>, panne_numbers>;
 
   explicit PannePrices(Counts counts);
-  /// The price of a number of at least 1.
+  /// Of a number of at least 1.
   std::uint64_t of(PanneNumber kind, std::uint32_t number) const {
     const auto& prices = small_[static_cast<std::size_t>(kind)];
     return number < prices.size() ? prices[number] : of_large(kind, number);
