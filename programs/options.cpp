@@ -194,9 +194,9 @@ Program::Program(const std::string& name, const std::string& what, const std::st
 
 Program::~Program() = default;
 
-Verb Program::verb(const std::string& name, const std::string& what) {
+Verb Program::verb(const std::string& name, const std::string& what, const std::string& group) {
   CLI::App* app = app_->add_subcommand(name, what);
-  app->group("Verbs")->footer("");
+  app->group(group)->footer("");
   return Verb(app);
 }
 

@@ -69,7 +69,8 @@ class Program {
  public:
   Program(const std::string& name, const std::string& what, const std::string& version = "");
   ~Program();
-  Verb verb(const std::string& name, const std::string& what);
+  /// In the program's help, verbs of one group stand under its name.
+  Verb verb(const std::string& name, const std::string& what, const std::string& group = "Verbs");
   Program& note(const std::string& text);
   Program& example(const std::string& command);
 
