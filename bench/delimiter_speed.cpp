@@ -1,6 +1,5 @@
-// The delimiter code's decoder and encoder on lists of about 750 bytes, the size of a delta in paper 000, Table 2:
-//
-//   delimiter_speed [--benchmark_filter=... --benchmark_out=FILE.json ...]
+// Measures how fast the delimiter code's decoder and encoder are on lists of about 750 bytes, the size of a difference in Chhugani
+// et al. 2005, Table 2.
 //
 // Times are those of one list; items are numbers. Every list that is decoded is checked, by the sum of its numbers, in the
 // time that is shown.
@@ -14,20 +13,23 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+#include <cstdint>
 #include <functional>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "bench/google_benchmark.h"
+#include "bench/verbs.h"
 #include "codecs/integer_codes/delimiter.h"
+#include "codecs/integer_codes/delimiter_reference.h"
 #include "matrix/base/random.h"
 #include "programs/measuring.h"
-#include "tests/codecs/delimiter_reference.h"
 
+namespace vismat::bench {
 namespace {
 
-using namespace vismat;
 using Draw = std::function<std::uint32_t(Random&, std::size_t)>;  // the number at this place of a list
 
 struct List {
@@ -93,7 +95,7 @@ std::uint32_t sum_of(std::span<const std::byte> bytes,
 }
 
 std::uint32_t sum_of_plain(std::span<const std::byte> bytes, std::vector<std::uint64_t>& numbers) {
-  test::read_delimited_by_bits(bytes, numbers);
+  reference::read_delimited_by_bits(bytes, numbers);
   return static_cast<std::uint32_t>(std::accumulate(numbers.begin(), numbers.end(), std::uint64_t{0}));
 }
 
@@ -159,12 +161,12 @@ void ratio(benchmark::State& state, std::span<const List> lists) {
   std::vector<std::uint64_t> numbers;
   double fast = 0, plain = 0;  // of processor time: other programs may run
   for (auto _ : state) {
-    const double begin = bench::processor_seconds();
+    const double begin = processor_seconds();
     bool right = true;
     for (const List& list : lists) right &= sum_of(list.bytes) == list.sum;
-    const double middle = bench::processor_seconds();
+    const double middle = processor_seconds();
     for (const List& list : lists) right &= sum_of_plain(list.bytes, numbers) == list.sum;
-    const double end = bench::processor_seconds();
+    const double end = processor_seconds();
     if (!right) state.SkipWithError("wrong numbers");
     fast += middle - begin;
     plain += end - middle;
@@ -188,11 +190,7 @@ void measure(const std::string& name, const std::function<void(benchmark::State&
       ->ReportAggregatesOnly();
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+void run() {
   benchmark::AddCustomContext("compiler", __VERSION__);
   const std::vector<Mix> mixes = all_mixes();
   for (const Mix& mix : mixes) {
@@ -223,5 +221,15 @@ int main(int argc, char** argv) {
   }
   measure("read/cold", [&mixes](benchmark::State& state) { decode_cold(state, mixes.front().lists, true); });
   benchmark::RunSpecifiedBenchmarks();
-  return 0;
 }
+
+}  // namespace
+
+void add_delimiter_speed(const Verb& verb) {
+  verb.runs_with_rest([](const std::vector<std::string>& arguments) {
+    start_google_benchmark(arguments, 0, "bench delimiter-speed");
+    run();
+  });
+}
+
+}  // namespace vismat::bench

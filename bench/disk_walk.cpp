@@ -1,39 +1,30 @@
-// Disk reads of a viewer who walks through a level, by the order its faces have on the disk [Chhugani et al. 2005, 6.1
-// and Fig. 12].
+// Counts the disk reads of a viewer who walks through a level, by the order that its faces have on the disk [Chhugani et al. 2005,
+// 6.1 and Fig. 12].
 //
 // The walk is runtime/level_walk.h's. In each cell the faces seen and not in memory are fetched. A face takes the bytes of
 // its vertices and indices as a renderer loads them: 44 a vertex (the level's own record: place, two pairs of texture
 // coordinates, normal, colour), 4 an index, curved faces as the triangles they are drawn with.
-//
-// Measured (oa_koth1, ctf_compromise, ctf_inyard, czest3ctf, oasago2; .8 to 2.3 MB of faces, 5000 cells walked through):
-// with pages of 4 KB and no read-ahead `best` takes 76 to 93 % fewer reads than random and 54 to 69 % fewer than the
-// level's own order, within 1.3 points for other walks; the printed sampled tour 75 to 92 % and 52 to 64 %. The paper has
-// almost 60 %. It depends on how far a read reaches, beside the size of the level: going on over 4 pages, 32 to 84 % and 27
-// to 57 %; with pages of 64 KB, of which a level has 13 to 36, there are 42 % fewer to 46 % more reads than in random
-// order, which reads nearly the whole level at once, two to six times the bytes. With 64 times the bytes a face (--detail)
-// pages of 64 KB save 85 to 95 % and 67 to 77 %. Little depends on the memory (--cache 0 to .5: 3 points) or on whether what
-// cells see or what appears between them is ordered (--whole-sets: 5 points at most, mostly below 1).
-#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
-#include <iostream>
+#include <filesystem>
 #include <iterator>
-#include <span>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "layout/cost.h"
 #include "layout/reordering.h"
-#include "matrix/base/atomic_file.h"
-#include "programs/measuring.h"
+#include "programs/csv.h"
+#include "programs/names.h"
 #include "runtime/disk_layout.h"
 #include "runtime/level_walk.h"
 #include "visibility/levels/level_file.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
 
 struct Options {
   std::vector<std::string> levels;
@@ -44,7 +35,7 @@ struct Options {
   std::uint32_t detail = 1;
   bool whole_sets = false;
   std::uint64_t seed = 1;
-  std::string csv;
+  std::filesystem::path csv;
 };
 
 constexpr std::uint64_t vertex_bytes = 44, index_bytes = 4;
@@ -63,7 +54,7 @@ std::vector<std::uint64_t> face_bytes(const Scene& scene, std::uint32_t detail) 
   return bytes;
 }
 
-// What appears where a viewer passes from a cell to the next, one row a passage and direction: paper 000's matrix.
+// What appears where a viewer passes from a cell to the next, one row a passage and direction, as in the paper.
 VisibilityMatrix appearing(const VisibilityMatrix& visible, const VisibilityMatrix& passages) {
   std::vector<std::vector<std::uint32_t>> rows;
   for (std::uint32_t from = 0; from < passages.shape().rows; ++from) {
@@ -127,8 +118,8 @@ void run(const Options& options, const std::string& where, std::string& csv) {
                     static_cast<unsigned long long>(count.reads), static_cast<double>(count.bytes_read) / 1e6,
                     static_cast<double>(count.bytes_wanted) / 1e6, fewer(count.reads, reads_of("random")),
                     fewer(count.reads, reads_of("identity")));
-        csv += bench::csv_line(bench::level_name(level.name), options.layouts[i], page, ahead, options.steps,
-                               count.reads, count.bytes_read, count.bytes_wanted, total, held, runs[i]);
+        csv += csv_line(level_name(level.name), options.layouts[i], page, ahead, options.steps, count.reads,
+                        count.bytes_read, count.bytes_wanted, total, held, runs[i]);
       }
     }
   }
@@ -137,33 +128,25 @@ void run(const Options& options, const std::string& where, std::string& csv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Disk reads on a walk through levels, by the order of their faces on the disk");
-  Options options;
-  app.add_option("LEVEL", options.levels, "FILE.bsp or FILE.pk3:maps/NAME.bsp")->required();
-  app.add_option("--layout", options.layouts, "orders, as vismat order names them")->capture_default_str();
-  app.add_option("--page", options.pages, "bytes")->capture_default_str();
-  app.add_option("--ahead", options.ahead, "unwanted pages that a read goes on over")->capture_default_str();
-  app.add_option("--steps", options.steps, "from cell to cell")->capture_default_str();
-  app.add_option("--cache", options.cache, "memory, as a share of all faces' bytes")
-      ->check(CLI::Range(0., 1.))
-      ->capture_default_str();
-  app.add_option("--detail", options.detail, "bytes of a face times this: a level of finer meshes")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_flag("--whole-sets", options.whole_sets,
-               "order by what cells see, not by what appears between them");
-  app.add_option("--seed", options.seed)->capture_default_str();
-  app.add_option("--csv", options.csv, "written beside the table");
-  CLI11_PARSE(app, argc, argv);
-  try {
+void add_disk_walk(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("LEVEL", o->levels, "FILE.bsp or FILE.pk3:maps/NAME.bsp").required();
+  verb.option("--layout", o->layouts, "Orders, as vismat order names them");
+  verb.option("--page", o->pages, "Bytes");
+  verb.option("--ahead", o->ahead, "Unwanted pages that a read goes on over");
+  verb.option("--steps", o->steps, "From cell to cell");
+  verb.option("--cache", o->cache, "Memory, as a share of all faces' bytes").between(0., 1.);
+  verb.option("--detail", o->detail, "Bytes of a face times this: a level of finer meshes").positive();
+  verb.flag("--whole-sets", o->whole_sets, "Order by what cells see, not by what appears between them");
+  verb.option("--seed", o->seed, "Of the walk and of orders");
+  verb.option("--csv", o->csv, "Written beside the table");
+  verb.runs([o] {
     std::string csv =
         "matrix,layout,page_bytes,read_ahead_pages,steps,reads,bytes_read,bytes_wanted,total_bytes,cache_"
         "bytes,runs\n";
-    for (const std::string& level : options.levels) run(options, level, csv);
-    if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
-  } catch (const std::exception& error) {
-    std::cerr << "disk_walk: " << error.what() << '\n';
-    return 1;
-  }
+    for (const std::string& level : o->levels) run(*o, level, csv);
+    write_table(o->csv, csv);
+  });
 }
+
+}  // namespace vismat::bench

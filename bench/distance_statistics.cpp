@@ -1,37 +1,35 @@
-// Fig. 6 of Chhugani et al. 2005: how many points lie near a random point, by the number of points and by the
-// distance.
-//
-//   distance_statistics --out FOLDER [--scale S] MATRIX.bsp.h5 ...
+// Measures how many points lie near a random point, by the number of points and by the distance: Fig. 6 of Chhugani et al. 2005.
 //
 // Points are distinct columns: a column that has an equal one would have its nearest neighbour at distance 0,
 // and twice that holds its equals alone. The share of columns that have an equal one is told beside. Writes
 // FOLDER/distance_density.csv (a: the share of other points within twice the nearest one's distance, in random
 // subsets of growing size; in the whole set it is the paper's alpha) and FOLDER/distance_radius.csv (b: the
 // share within multiples of the nearest one's distance, whole set). Means over random points.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "layout/orders/random_order.h"
 #include "layout/points/column_points.h"
 #include "layout/points/distinct_columns.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/base/parallel.h"
 #include "matrix/base/random.h"
 #include "matrix/files/dataset_file.h"
 #include "matrix/generate.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
+#include "programs/names.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using namespace vismat::bench;
 
 struct Options {
   std::filesystem::path out = "out";
@@ -94,10 +92,9 @@ Shares mean_shares(const ColumnPoints& points, std::uint32_t size, const Options
     mean.twice += shares.twice / options.trials;
     for (std::size_t i = 0; i < mean.within.size(); ++i) mean.within[i] += shares.within[i] / options.trials;
   }
-  const auto middle = trials.begin() + trials.size() / 2;
-  std::nth_element(trials.begin(), middle, trials.end(),
-                   [](const Shares& a, const Shares& b) { return a.twice < b.twice; });
-  mean.median_twice = middle->twice;
+  std::vector<double> twice;
+  for (const Shares& shares : trials) twice.push_back(shares.twice);
+  mean.median_twice = median(std::move(twice));
   return mean;
 }
 
@@ -123,7 +120,7 @@ void add_matrix(const std::string& name, const VisibilityMatrix& matrix, const O
 void run(const Options& options) {
   Tables tables;
   for (const std::string& file : options.files)
-    add_matrix(name_of(file), read_dataset(file).matrix, options, tables);
+    add_matrix(matrix_name(file), read_dataset(file).matrix, options, tables);
   if (options.scale > 0) {
     for (const bool harder : {false, true}) {
       const std::string suffix = harder ? " harder" : "";
@@ -132,28 +129,21 @@ void run(const Options& options) {
       add_matrix("city" + suffix, generate_delta_scene(city_scene(options.scale, harder)), options, tables);
     }
   }
-  write_file(options.out / "distance_density.csv", std::as_bytes(std::span(tables.density)));
-  write_file(options.out / "distance_radius.csv", std::as_bytes(std::span(tables.radius)));
+  write_table(options.out / "distance_density.csv", tables.density);
+  write_table(options.out / "distance_radius.csv", tables.radius);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Fig. 6 of Chhugani et al. 2005: the share of points near a random point");
-  Options options;
-  app.add_option("--out", options.out, "Folder for the two tables")->capture_default_str();
-  app.add_option("--scale", options.scale, "Synthetic scenes too, at this share of the paper's size")
-      ->check(CLI::Range(1e-4, 1.));
-  app.add_option("--trials", options.trials, "Random points a mean is over")
-      ->check(CLI::Range(1u, 1'000'000u))
-      ->capture_default_str();
-  app.add_option("--seed", options.seed)->capture_default_str();
-  app.add_option("matrices", options.files, "Matrix files");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "distance_statistics: %s\n", error.what());
-    return 1;
-  }
+void add_distance_statistics(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("--out", o->out, "Folder for the two tables");
+  verb.option("--scale", o->scale, "Synthetic scenes too, at this share of the paper's size")
+      .between(1e-4, 1.);
+  verb.option("--trials", o->trials, "Random points a mean is over").between(1u, 1'000'000u);
+  verb.option("--seed", o->seed, "Of the random points");
+  verb.option("MATRIX", o->files, "Matrix files");
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

@@ -1,38 +1,36 @@
-// Recall and time of FLANN's Hamming indices against dimension and density, beside a scan of all columns.
+// Measures recall and time of FLANN's Hamming indices against dimension and density, beside a scan of all columns.
 //
 // Columns: planted clusters of 25 on average; each column is its cluster's centre, of the given density, with every
 // tenth one moved to another row; equal columns collapsed, so that sparse ones in few rows are less than asked for.
 // Recall: of the k found, the share that is no farther than the k-th nearest. Times are of one thread, in processor
 // seconds.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <flann/flann.hpp>
-#include <iostream>
-#include <span>
-#include <stdexcept>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "layout/points/distinct_columns.h"
 #include "layout/tours/flann_tour.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/base/random.h"
 #include "matrix/bit_rows.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using bench::processor_seconds;
 
 struct Options {
   std::vector<std::uint32_t> rows = {256, 1024, 4096, 16384};
   std::vector<double> densities = {.002, .01, .05, .2};
   std::uint32_t columns = 10000, k = 10, queries = 100;
   std::uint64_t seed = 1;
-  std::string csv;
+  std::filesystem::path csv;
 };
 
 BitRows clustered_columns(std::uint32_t rows, double density, const Options& options) {
@@ -150,26 +148,21 @@ void run(const Options& options) {
              measure(columns, truth, flann::LshIndexParams(6, sensible_key(density, count), 0), 32, k));
     }
   }
-  if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
+  write_table(options.csv, csv);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Recall and time of FLANN's indices on columns of planted clusters");
-  Options options;
-  app.add_option("--rows", options.rows)->capture_default_str();
-  app.add_option("--density", options.densities)->check(CLI::Range(1e-6, .5))->capture_default_str();
-  app.add_option("--columns", options.columns)->check(CLI::Range(100, 10000000))->capture_default_str();
-  app.add_option("-k,--neighbours", options.k)->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--queries", options.queries)->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--seed", options.seed, "of the columns; FLANN has seeds of its own")->capture_default_str();
-  app.add_option("--csv", options.csv, "written beside the table");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "flann_recall: " << error.what() << '\n';
-    return 1;
-  }
+void add_flann_recall(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("--rows", o->rows, "Of the matrices");
+  verb.option("--density", o->densities, "Shares of ones in a column").between(1e-6, .5);
+  verb.option("--columns", o->columns, "Before equal ones are collapsed").between(100u, 10'000'000u);
+  verb.option("-k,--neighbours", o->k, "Sought for each column").positive();
+  verb.option("--queries", o->queries, "Columns whose neighbours are sought").positive();
+  verb.option("--seed", o->seed, "Of the columns; FLANN has seeds of its own");
+  verb.option("--csv", o->csv, "Written beside the table");
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

@@ -1,21 +1,19 @@
-// Gotsman's methods over trees of view cells, and ours under contexts, beside codecs that know no tree: bytes, and what a row
-// costs that is read alone. Every codec is checked by a round trip and every row of it against the matrix before it is timed.
-//
-//   gotsman_tables --csv FILE MATRIX.bsp.h5 ...
+// Measures Gotsman's methods over trees of view cells, and ours under contexts, beside codecs that know no tree: bytes, and what a
+// row costs that is read alone. Every codec is checked by a round trip and every row of it against the matrix before it is timed.
 //
 // A line a matrix, order of columns, tree and codec. Trees: k-d over the cells' boxes, and by sets. A row is read by walking
 // down from the root; row_path_us is the median where what the row before shares of the way is kept, rows in the order of the tree.
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "bench/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/baselines/program_codecs.h"
 #include "codecs/rows/bitmap.h"
@@ -26,15 +24,21 @@
 #include "layout/best_order.h"
 #include "layout/orders/random_order.h"
 #include "layout/trees/set_tree.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
+#include "programs/names.h"
 #include "visibility/geometry/bounding_volume_tree.h"
 
+namespace vismat::bench {
 namespace {
 
-using namespace vismat;
-using namespace vismat::bench;
+struct Options {
+  std::filesystem::path csv;
+  std::vector<std::filesystem::path> files;
+  std::vector<std::string> orders = {"natural", "best"};
+  double seconds = .2;
+};
 
 struct RowCost {
   double median_us = 0, high_us = 0, path_us = 0, bytes = 0, parts = 0;
@@ -45,19 +49,6 @@ struct Line {
   double encode_s = 0, decode_s = 0;
   std::optional<RowCost> row;
 };
-
-double at_share(std::vector<double>& values, double share) {
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
-
-double microseconds_of(const auto& work) {
-  const double start = wall_seconds();
-  work();
-  return 1e6 * (wall_seconds() - start);
-}
 
 void check(bool right, const Codec& codec) {
   if (!right) throw std::logic_error(std::string(codec.name) + " does not restore its matrix");
@@ -73,7 +64,7 @@ RowCost rows_over_tree(const Codec& codec, const Container& container, const Vis
   for (std::uint32_t i = 0; i < std::min(rows, 2000u); ++i) {
     const std::uint32_t node = reader.node_of_row(shuffled[i]);
     NodeSet set;
-    alone.push_back(microseconds_of([&] { set = reader.set(node); }));
+    alone.push_back(1e6 * seconds_of([&] { set = reader.set(node); }));
     check(std::ranges::equal(set.members, matrix.row(shuffled[i])), codec);
     const RowSource::Cost read = reader.cost(node);
     cost.bytes += static_cast<double>(read.bytes) / std::min(rows, 2000u);
@@ -90,12 +81,12 @@ RowCost rows_over_tree(const Codec& codec, const Container& container, const Vis
   }
   NodePath path;
   for (const std::uint32_t leaf : leafs) {
-    on_path.push_back(microseconds_of([&] { reader.set(leaf, path); }));
+    on_path.push_back(1e6 * seconds_of([&] { reader.set(leaf, path); }));
     check(std::ranges::equal(path.last().members, matrix.row(tree.object_of_node()[leaf])), codec);
   }
-  cost.median_us = at_share(alone, .5);
-  cost.high_us = at_share(alone, .95);
-  cost.path_us = at_share(on_path, .5);
+  cost.median_us = median(alone);
+  cost.high_us = quantile(alone, .95);
+  cost.path_us = median(on_path);
   return cost;
 }
 
@@ -108,12 +99,12 @@ RowCost rows_alone(const Codec& codec, const Container& container, const Visibil
   RowBuffer<std::uint32_t> buffer;
   for (const std::uint32_t row : random_order(rows, 1).old_of_new()) {
     std::span<const std::uint32_t> ids;
-    alone.push_back(microseconds_of([&] { ids = reader.ids(row, buffer); }));
+    alone.push_back(1e6 * seconds_of([&] { ids = reader.ids(row, buffer); }));
     check(std::ranges::equal(ids, matrix.row(row)), codec);
     cost.bytes += static_cast<double>(reader.cost(row).bytes) / rows;
   }
-  cost.median_us = cost.path_us = at_share(alone, .5);
-  cost.high_us = at_share(alone, .95);
+  cost.median_us = cost.path_us = median(alone);
+  cost.high_us = quantile(alone, .95);
   cost.parts = 1;
   return cost;
 }
@@ -129,8 +120,8 @@ Line measure(const Codec& codec, const VisibilityMatrix& matrix, const std::opti
   line.payload = container.encoded.payload.size();
   line.index = container.encoded.index.size();
   line.tree = tree ? tree_bytes(*tree, false).size() : 0;
-  line.encode_s = time_passes(seconds, [&] { codec.encode(matrix, side, {}); }).median;
-  line.decode_s = time_passes(seconds, [&] { decompress(container, codec); }).median;
+  line.encode_s = time_passes({seconds}, [&] { codec.encode(matrix, side, {}); }).median;
+  line.decode_s = time_passes({seconds}, [&] { decompress(container, codec); }).median;
   if (matrix.shape().rows == 0) return line;
   if (codec.needs.tree == TreeOver::rows) {
     line.model = NodeReader(codec, Parts(container.encoded), matrix.shape(), *tree).model_bytes();
@@ -164,9 +155,8 @@ void add_lines(const Dataset& data, const std::string& name, const std::string& 
                   row.parts);
     std::printf("\n");
     std::fflush(stdout);
-    csv += csv_line(name, shape.rows, shape.columns, matrix.ones(), order, tree_name, codec.name,
-                    line.payload, line.model, line.index, line.tree, line.encode_s, line.decode_s);
-    csv.pop_back();
+    csv += csv_values(name, shape.rows, shape.columns, matrix.ones(), order, tree_name, codec.name,
+                      line.payload, line.model, line.index, line.tree, line.encode_s, line.decode_s);
     csv +=
         line.row ? "," + csv_line(row.median_us, row.high_us, row.path_us, row.bytes, row.parts) : ",,,,,\n";
   };
@@ -182,42 +172,32 @@ void add_lines(const Dataset& data, const std::string& name, const std::string& 
   add_tree("by sets", tree_by_sets(matrix));
 }
 
+void run(const Options& options) {
+  std::string csv =
+      "matrix,rows,columns,ones,order,tree,codec,payload_bytes,model_bytes,index_bytes,tree_bytes,encode_s,"
+      "decode_s,row_us,row_us_95,row_path_us,row_bytes_read,row_parts_read\n";
+  for (const auto& file : options.files) {
+    const Dataset natural = read_dataset(file);
+    for (const std::string& order : options.orders) {
+      const Dataset data = order == "natural"
+                               ? natural
+                               : reordered(natural, Permutation::identity(natural.matrix.shape().rows),
+                                           best_order(natural.matrix));
+      add_lines(data, matrix_name(file), order, options.seconds, csv);
+    }
+  }
+  write_table(options.csv, csv);
+}
+
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Gotsman's subset coding over trees of view cells.");
-  std::filesystem::path csv_file;
-  std::vector<std::filesystem::path> files;
-  std::vector<std::string> orders = {"natural", "best"};
-  double seconds = .2;
-  app.add_option("--csv", csv_file, "Where to write the table of commas");
-  app.add_option("--orders", orders, "Of the columns: natural, best")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"natural", "best"}));
-  app.add_option("--seconds", seconds, "For each time: runs begin as long as this; the median counts")
-      ->capture_default_str();
-  app.add_option("matrices", files, "Matrix files")->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::string csv =
-        "matrix,rows,columns,ones,order,tree,codec,payload_bytes,model_bytes,index_bytes,tree_bytes,encode_s,"
-        "decode_s,"
-        "row_us,row_us_95,row_path_us,row_bytes_read,row_parts_read\n";
-    for (const auto& file : files) {
-      const Dataset data = read_dataset(file);
-      for (const std::string& order : orders) {
-        if (order == "natural")
-          add_lines(data, name_of(file), order, seconds, csv);
-        else
-          add_lines(
-              reordered(data, Permutation::identity(data.matrix.shape().rows), best_order(data.matrix, {})),
-              name_of(file), order, seconds, csv);
-      }
-    }
-    if (!csv_file.empty()) write_file(csv_file, std::as_bytes(std::span(csv)));
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "gotsman_tables: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+void add_gotsman_tables(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("--csv", o->csv, "Where to write the table of commas");
+  verb.option("--orders", o->orders, "Of the columns").comma_separated().one_of({"natural", "best"});
+  verb.option("--seconds", o->seconds, "For each time: runs begin as long as this; the median counts");
+  verb.option("MATRIX", o->files, "Matrix files").required();
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

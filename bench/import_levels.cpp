@@ -1,11 +1,11 @@
-// How long importing every level takes: unpacked, parsed, both matrices made, a bounding-volume tree over
-// each and the file written, two levels at a time. Verify first: oa_koth1 must have its known sizes.
-//   VISMAT_CACHE=cache/levels import_levels [Google Benchmark's options]
+// Measures how long importing every level takes: unpacked, parsed, both matrices made, a bounding-volume tree over each and the file
+// written, two levels at a time. Verified first: oa_koth1 must have its known sizes.
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -13,13 +13,15 @@
 #include <string>
 #include <vector>
 
+#include "bench/google_benchmark.h"
+#include "bench/verbs.h"
 #include "matrix/base/parallel.h"
 #include "matrix/files/dataset_file.h"
 #include "visibility/levels/level_file.h"
 
+namespace vismat::bench {
 namespace {
 
-using namespace vismat;
 namespace fs = std::filesystem;
 
 std::vector<std::string> levels_under(const fs::path& folder) {
@@ -78,16 +80,11 @@ void import(benchmark::State& state, const std::vector<std::string>& levels) {
   state.counters["visible_pairs"] = static_cast<double>(ones);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
+void run() {
   const char* cache = std::getenv("VISMAT_CACHE");
   const fs::path folder = cache != nullptr ? cache : "cache/levels";
-  if (!fs::is_directory(folder)) {
-    std::fprintf(stderr, "import_levels: no levels in %s; run fetch-levels first\n", folder.c_str());
-    return 1;
-  }
+  if (!fs::is_directory(folder))
+    throw std::invalid_argument("no levels in " + folder.string() + "; run fetch-levels first");
   std::vector<fs::path> packages;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_directory() && !entry.path().filename().string().starts_with("."))
@@ -102,5 +99,16 @@ int main(int argc, char** argv) {
         ->Unit(benchmark::kSecond);
   }
   benchmark::RunSpecifiedBenchmarks();
-  return 0;
 }
+
+}  // namespace
+
+void add_import_levels(const Verb& verb) {
+  verb.note("The levels are those under $VISMAT_CACHE, or cache/levels, as ./fetch-levels leaves them.");
+  verb.runs_with_rest([](const std::vector<std::string>& arguments) {
+    start_google_benchmark(arguments, 0, "bench import-levels");
+    run();
+  });
+}
+
+}  // namespace vismat::bench

@@ -1,25 +1,29 @@
-// Where merging fails: seeds that differ, matrices that have nothing in common, dense rows, single cells that pay for all, and trees
-// whose nodes are merged as if they were objects.
-//
-//   lossy_failures --out FOLDER MATRIX.bsp.h5 ...
+// Measures where merging fails: seeds that differ, matrices that have nothing in common, dense rows, single cells that pay for all,
+// and trees whose nodes are merged as if they were objects.
 //
 // Every merge is compared with its original row by row, every coded matrix read again. Bytes are by zach3-range over nodes and
-// by pair-ans over objects, names of rows and columns apart, as lossy_tables has them.
-#include <CLI/CLI.hpp>
+// by pair-ans over objects, names of rows and columns apart, as `bench lossy-tables` has them.
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
-#include <span>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/lossy_merge.h"
+#include "bench/verbs.h"
+#include "codecs/baselines/baseline_codecs.h"
 #include "matrix/base/random.h"
+#include "programs/csv.h"
+#include "programs/measuring.h"
+#include "programs/names.h"
 #include "programs/progress.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using namespace vismat::bench;
 
 struct Options {
   std::vector<std::filesystem::path> files;
@@ -325,9 +329,9 @@ void print_table(const std::string& csv) {
 
 void run(const Options& options) {
   std::vector<Subject> subjects;
-  for (const auto& file : options.files) subjects.push_back({name_of(file), read_matrix(file)});
+  for (const auto& file : options.files) subjects.push_back({matrix_name(file), read_matrix(file)});
   const auto tell = [&](const char* file, const std::string& csv, double start) {
-    write_file(options.out / file, std::as_bytes(std::span(csv)));
+    write_table(options.out / file, csv);
     std::printf("\n%s (%.1f s)\n", file, wall_seconds() - start);
     print_table(csv);
     std::fflush(stdout);
@@ -341,30 +345,21 @@ void run(const Options& options) {
   start = wall_seconds();
   std::string quantiles;
   tell("failures_cells.csv", cells(subjects, options, quantiles), start);
-  write_file(options.out / "failures_quantiles.csv", std::as_bytes(std::span(quantiles)));
+  write_table(options.out / "failures_quantiles.csv", quantiles);
   start = wall_seconds();
   tell("failures_trees.csv", trees(subjects, options), start);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Where merging fails: studies on matrices made to hurt, and on given ones");
-  Options options;
-  app.add_option("--out", options.out, "Folder for the tables")->capture_default_str();
-  app.add_option("--lost", options.lost, "Occlusions that may be lost, as a share")
-      ->check(CLI::Range(0., .25))
-      ->capture_default_str();
-  app.add_option("--seeds", options.seeds)->check(CLI::Range(1u, 1000u))->capture_default_str();
-  app.add_option("--size", options.size, "Rows and columns of random matrices")
-      ->check(CLI::Range(10u, 100'000u))
-      ->capture_default_str();
-  app.add_option("matrices", options.files, "Matrix files");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "lossy_failures: %s\n", error.what());
-    return 1;
-  }
+void add_lossy_failures(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("--out", o->out, "Folder for the tables");
+  verb.option("--lost", o->lost, "Occlusions that may be lost, as a share").between(0., .25);
+  verb.option("--seeds", o->seeds, "That the method is tried with").between(1u, 1000u);
+  verb.option("--size", o->size, "Rows and columns of random matrices").between(10u, 100'000u);
+  verb.option("MATRIX", o->files, "Matrix files");
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

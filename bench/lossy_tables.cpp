@@ -1,23 +1,24 @@
-// Bytes against extra visible entries: what merging view cells, objects or both leaves of a matrix, and what codecs make of it.
+// Measures bytes against extra visible entries: what merging view cells, objects or both leaves of a matrix, and what codecs make
+// of it.
 //
-//   lossy_tables --csv FILE MATRIX.bsp.h5 ...
-//
-// Matrices over nodes of a tree: paper 002's methods after its greedy order of the merged view cells, its Table 3. Others: row
-// codecs and whole-file compressors after the best order of both sides. Each coded matrix is read again and compared
+// Matrices over nodes of a tree: the methods of Zach & Karner 2003 after their greedy order of the merged view cells, their Table 3.
+// Others: row codecs and whole-file compressors after the best order of both sides. Each coded matrix is read again and compared
 // with the original row by row: nothing visible may be missing. Seconds are of one run.
-#include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "bench/lossy_merge.h"
+#include "bench/verbs.h"
 #include "codecs/rows/bitmap.h"
+#include "programs/csv.h"
+#include "programs/names.h"
 #include "programs/progress.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using namespace vismat::bench;
 
 struct Options {
   std::vector<std::filesystem::path> files;
@@ -32,8 +33,7 @@ struct Options {
 
 constexpr const char* header =
     "matrix,rows,columns,ones,nodes,method,side,lost,max_per_cell,cells,objects,added,lost_share,added_share,"
-    "cell_"
-    "median,cell_95,cell_worst,merge_s,order_s,names_bytes,table_bytes,codec,bytes,average_run\n";
+    "cell_median,cell_95,cell_worst,merge_s,order_s,names_bytes,table_bytes,codec,bytes,average_run\n";
 
 struct Case {
   std::string method = "none", side = "none";
@@ -70,7 +70,7 @@ void add_lines(const std::string& name, const Dataset& original, const Case& now
 
 void add_matrix(const std::filesystem::path& file, const Options& options, std::string& csv) {
   const Dataset original = read_matrix(file);
-  const std::string name = name_of(file);
+  const std::string name = matrix_name(file);
   const bool nodes = original.source.columns_are_nodes;
   const auto codecs = codecs_here(nodes ? options.node_codecs : options.codecs);
   std::vector<Case> cases;
@@ -95,36 +95,32 @@ void add_matrix(const std::filesystem::path& file, const Options& options, std::
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app("Bytes against extra visible entries: merged view cells and objects, coded");
-  Options options;
-  const auto list = [&](const char* name, auto& values, const char* what) {
-    return app.add_option(name, values, what)->delimiter(',')->allow_extra_args(false)->capture_default_str();
-  };
-  app.add_option("MATRICES", options.files, "Matrix files")->required();
-  app.add_option("--csv", options.csv, "Written beside the tables");
-  app.add_flag("--append", options.append, "Add to that file");
-  list("--lost", options.lost, "Occlusions that may be lost, as shares")->check(CLI::Range(0., 1.));
-  list("--methods", options.methods, "Of merging");
-  list("--sides", options.sides, "What is merged; columns that are nodes never are")
-      ->check(CLI::IsMember({"cells", "objects", "both"}));
-  list("--node-codecs", options.node_codecs, "For columns that are nodes");
-  list("--codecs", options.codecs, "For columns that are objects");
-  app.add_option("--max-per-cell", options.max_per_cell, "What one view cell may lose of its own, as a share")
-      ->check(CLI::Range(0., 1.))
-      ->capture_default_str();
-  app.add_flag("--no-lossless", options.no_lossless, "Without the lines of the original as it is");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::string csv = table_begin(options.csv, header, options.append);
-    for (const auto& file : options.files) {
-      add_matrix(file, options, csv);
-      if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
-    }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "lossy_tables: %s\n", error.what());
-    return 1;
+void run(const Options& options) {
+  std::string csv = table_begin(options.csv, header, options.append);
+  for (const auto& file : options.files) {
+    add_matrix(file, options, csv);
+    write_table(options.csv, csv);
   }
 }
+
+}  // namespace
+
+void add_lossy_tables(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("MATRIX", o->files, "Matrix files").required();
+  verb.option("--csv", o->csv, "Written beside the tables");
+  verb.flag("--append", o->append, "Add to that file");
+  verb.option("--lost", o->lost, "Occlusions that may be lost, as shares").comma_separated().between(0., 1.);
+  verb.option("--methods", o->methods, "Of merging").comma_separated();
+  verb.option("--sides", o->sides, "What is merged; columns that are nodes never are")
+      .comma_separated()
+      .one_of({"cells", "objects", "both"});
+  verb.option("--node-codecs", o->node_codecs, "For columns that are nodes").comma_separated();
+  verb.option("--codecs", o->codecs, "For columns that are objects").comma_separated();
+  verb.option("--max-per-cell", o->max_per_cell, "What one view cell may lose of its own, as a share")
+      .between(0., 1.);
+  verb.flag("--no-lossless", o->no_lossless, "Without the lines of the original as it is");
+  verb.runs([o] { run(*o); });
+}
+
+}  // namespace vismat::bench

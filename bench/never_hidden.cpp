@@ -1,18 +1,23 @@
-// No ray may reach an object that was reported hidden. Rays run from random points of view cells, half of them at objects that are
-// hidden from there, half anywhere; what they reach is looked up in what the shadow producer left. A ray of floats may slip
+// Checks that no ray reaches an object that was reported hidden. Rays run from random points of view cells, half of them at objects
+// that are hidden from there, half anywhere; what they reach is looked up in what the shadow producer left. A ray of floats may slip
 // past an edge, so each that seems to reach a hidden object is checked again in rational arithmetic: a violation is one that
-// holds; the others are counted as slips. Scenes: cities, their cells touching walls; soups; tilted boxes, some cells in
-// them, some flat, 1e5 m away too; a plant; levels that are named.
-//   never_hidden [--rays N] [LEVEL ...]     exit 1 if there is a violation
-#include <CLI/CLI.hpp>
+// holds, and ends the program with 1; the others are counted as slips. Scenes: cities, their cells touching walls; soups; tilted
+// boxes, some cells in them, some flat, 1e5 m away too; a plant; levels that are named.
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "bench/verbs.h"
+#include "bench/visibility_study.h"
 #include "matrix/base/parallel.h"
 #include "programs/progress.h"
 #include "visibility/exact/witness.h"
@@ -23,9 +28,15 @@
 #include "visibility/rays/aimed_rays.h"
 #include "visibility/scene_file.h"
 
+namespace vismat::bench {
 namespace {
 
-using namespace vismat;
+struct Options {
+  std::vector<std::string> levels;
+  double rays = 1e6;
+  std::uint32_t cells = 12, patches = 24;
+  unsigned threads = 0;
+};
 
 struct Place {
   std::string name;
@@ -44,29 +55,21 @@ void add_tilted_box(Scene& scene, Random& random, const glm::vec3& at, float siz
   axis[1] = glm::normalize(glm::cross(axis[0], axis[1]));
   axis[2] = glm::cross(axis[0], axis[1]);
   for (glm::vec3& a : axis) a *= size * random.between(0.2f, 1);
-  const auto first = static_cast<std::uint32_t>(scene.vertices.size());
+  std::array<glm::dvec3, 8> corners;
   for (unsigned c = 0; c < 8; ++c) {
     glm::vec3 p = at;
     for (int k = 0; k < 3; ++k) p += (c >> k & 1 ? 1.0f : -1.0f) * axis[k];
-    scene.vertices.push_back(p);
+    corners[c] = p;
   }
-  for (const auto& [a, b, c, d] :
-       {std::array{0u, 4u, 6u, 2u}, std::array{1u, 3u, 7u, 5u}, std::array{0u, 1u, 5u, 4u},
-        std::array{2u, 6u, 7u, 3u}, std::array{0u, 2u, 3u, 1u}, std::array{4u, 5u, 7u, 6u}}) {
-    for (const std::uint32_t corner : {a, b, c, a, c, d}) scene.indices.push_back(first + corner);
-    scene.object_of_triangle.insert(scene.object_of_triangle.end(), 2, scene.object_count);
-  }
-  ++scene.object_count;
+  add_box(scene, corners);
 }
 
 void add_triangle(Scene& scene, Random& random, const glm::vec3& at, float size) {
-  const auto first = static_cast<std::uint32_t>(scene.vertices.size());
-  for (std::uint32_t i = 0; i < 3; ++i) {
-    scene.vertices.push_back(
-        at + size * glm::vec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)));
-    scene.indices.push_back(first + i);
-  }
-  scene.object_of_triangle.push_back(scene.object_count++);
+  std::array<glm::dvec3, 3> corners;
+  for (glm::dvec3& corner : corners)
+    corner = at + size * glm::vec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+  constexpr std::uint32_t indices[] = {0, 1, 2};
+  add_object(scene, corners, indices);
 }
 
 // Cells of 4 m all over a cube of 100 m; each third one flat, each ninth a line.
@@ -106,21 +109,20 @@ struct Count {
   std::string first;
 };
 
-Count shoot(const Place& place, std::uint64_t rays, std::uint32_t most_cells, std::uint32_t patches,
-            unsigned threads, const Progress& progress) {
+Count shoot(const Place& place, std::uint64_t rays, const Options& options, const Progress& progress) {
   const RayCaster caster(place.scene);
   const AimedRays aim(place.scene, caster);
   const WitnessCheck check(place.scene);
   const Shadows shadows(place.scene, occluders_for(place.scene, place.cells, {}));
   ShadowOptions casting;
-  casting.points = 9, casting.resolution = casting.patch_resolution = 256, casting.patches = patches;
-  const std::uint32_t count = std::min(most_cells, place.cells.count());
+  casting.points = 9, casting.resolution = casting.patch_resolution = 256, casting.patches = options.patches;
+  const std::uint32_t count = std::min(options.cells, place.cells.count());
   const std::uint64_t packets = rays / count / RayCaster::width + 1;
 
   Count sum;
   std::mutex mutex;
   parallel_for(
-      count, threads,
+      count, options.threads,
       [&](std::uint64_t i) {
         const auto cell = static_cast<std::uint32_t>(i * place.cells.count() / count);
         const CellPoints points(convex_of(place.cells, cell));
@@ -176,42 +178,28 @@ Count shoot(const Place& place, std::uint64_t rays, std::uint32_t most_cells, st
   return sum;
 }
 
-int run(int argc, char** argv) {
-  CLI::App app("Does any ray reach what is reported hidden?");
-  std::vector<std::string> levels;
-  double rays = 1e6;
-  std::uint32_t cells = 12, patches = 24;
-  unsigned threads = 0;
-  app.add_option(
-      "LEVEL", levels,
-      "Quake-3 levels to take as well, FILE.pk3:maps/NAME.bsp; their clusters' boxes are the cells");
-  app.add_option("--rays", rays, "Altogether")->capture_default_str();
-  app.add_option("--cells", cells, "Of each scene, at most")->capture_default_str();
-  app.add_option("--patches", patches, "Of a cell's boundary")->capture_default_str();
-  app.add_option("--threads", threads)->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-
+void run(const Options& options) {
   std::vector<std::function<Place()>> places = {
       [] {
-        CityOptions options;
-        options.size = 16;
-        return from("city", make_city(options));
+        CityOptions city;
+        city.size = 16;
+        return from("city", make_city(city));
       },
       [] {
-        DenseCityOptions options;
-        options.size = 8;
-        return from("dense city", make_dense_city(options));
+        DenseCityOptions city;
+        city.size = 8;
+        return from("dense city", make_dense_city(city));
       },
       [] {
-        PlantOptions options;
-        options.size = 2;
-        return from("plant", make_plant(options));
+        PlantOptions plant;
+        plant.size = 2;
+        return from("plant", make_plant(plant));
       },
       [] { return scattered("soup", add_triangle, 2000, 20, 0); },
       [] { return scattered("large soup", add_triangle, 500, 50, 0); },
       [] { return scattered("tilted boxes", add_tilted_box, 300, 12, 0); },
       [] { return scattered("tilted boxes, far away", add_tilted_box, 300, 12, 1e5f); }};
-  for (const std::string& where : levels) {
+  for (const std::string& where : options.levels) {
     places.push_back([where] {
       Level level = read_level(where);
       Place place{level.name, std::move(level.face_scene), {}};
@@ -226,28 +214,37 @@ int run(int argc, char** argv) {
   std::printf("%-40s %6s %14s %12s %8s %10s\n", "scene", "cells", "hidden a cell", "rays", "slips",
               "violations");
   const auto print = [](const std::string& name, const Count& c) {
-    const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
-    std::printf("%-40s %6llu %14.1f %12llu %8llu %10llu\n", name.c_str(), number(c.cells),
+    std::printf("%-40s %6ju %14.1f %12ju %8ju %10ju\n", name.c_str(), std::uintmax_t{c.cells},
                 static_cast<double>(c.hidden) / static_cast<double>(std::max<std::uint64_t>(1, c.cells)),
-                number(c.rays), number(c.slips), number(c.violations));
+                std::uintmax_t{c.rays}, std::uintmax_t{c.slips}, std::uintmax_t{c.violations});
     if (!c.first.empty()) std::printf("  %s\n", c.first.c_str());
     std::fflush(stdout);
   };
   for (const auto& make : places) {
     const Place place = make();
-    const Count c = shoot(place, static_cast<std::uint64_t>(rays / static_cast<double>(places.size())), cells,
-                          patches, threads, cli::show_progress(place.name));
+    const auto rays = static_cast<std::uint64_t>(options.rays / static_cast<double>(places.size()));
+    const Count c = shoot(place, rays, options, cli::show_progress(place.name));
     print(place.name, c);
     all.rays += c.rays, all.cells += c.cells, all.hidden += c.hidden, all.slips += c.slips,
         all.violations += c.violations;
   }
   print("all", all);
-  return all.violations == 0 ? 0 : 1;
+  if (all.violations > 0)
+    throw std::runtime_error(std::to_string(all.violations) +
+                             " rays reach objects that were reported hidden");
 }
 
 }  // namespace
 
-int main(int argc, char** argv) try { return run(argc, argv); } catch (const std::exception& error) {
-  std::fprintf(stderr, "never_hidden: %s\n", error.what());
-  return 1;
+void add_never_hidden(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("LEVEL", o->levels,
+              "Quake-3 levels to take as well, FILE.pk3:maps/NAME.bsp; their clusters' boxes are the cells");
+  verb.option("--rays", o->rays, "Altogether");
+  verb.option("--cells", o->cells, "Of each scene, at most");
+  verb.option("--patches", o->patches, "Of a cell's boundary");
+  verb.threads(o->threads);
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

@@ -1,25 +1,37 @@
-// The adaptive octree of Chhugani et al. 2005, sections 3 and 8, on our scenes: cells of each level, how many of the smallest would
-// have to be smaller yet, and by how much they pass the threshold.
-//
-//   octree_tables --csv FILE --share S,... SCENE ...
+// Measures the adaptive octree of Chhugani et al. 2005, sections 3 and 8, on our scenes: cells of each level, how many of the
+// smallest would have to be smaller yet, and by how much they pass the threshold.
 //
 // A cell's triangles are those of its vLOD: objects that shadows of effort 0 do not hide, each in the level of detail and with the
 // faces that the cell allows.
-#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
+#include "bench/verbs.h"
 #include "bench/visibility_study.h"
-#include "matrix/base/atomic_file.h"
+#include "matrix/base/parallel.h"
+#include "programs/csv.h"
 #include "visibility/cells/octree_cells.h"
 #include "visibility/detail/levels_of_detail.h"
+#include "visibility/generators/dense_city.h"
 
+namespace vismat::bench {
 namespace {
 
-using namespace vismat;
-using namespace vismat::bench;
+struct Options {
+  std::vector<std::string> scenes;
+  std::vector<double> shares = {.15, .2, .25, .3};
+  std::filesystem::path csv;
+  unsigned levels = 5;
+};
 
 SceneFile octree_scene(const std::string& name) {
   if (name != "dense-city") return study_scene(name);
-  DenseCityOptions options;  // a quarter of the study's: levels of detail take 15 us a triangle
+  DenseCityOptions options;  // a quarter of the study's, since levels of detail take long
   options.size = 10;
   return make_dense_city(options);
 }
@@ -63,31 +75,25 @@ std::string lines_of(const std::string& name, const std::vector<double>& shares,
   return csv;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app("The adaptive octree of view cells, level by level");
-  std::vector<std::string> scenes;
-  std::vector<double> shares = {.15, .2, .25, .3};
-  std::filesystem::path csv_file;
-  unsigned levels = 5;
-  app.add_option("SCENES", scenes, "As for visibility_tables; the dense city is a quarter of it")->required();
-  app.add_option("--share", shares, "Of the scene's triangles: a cell is refined where more are visible")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->capture_default_str();
-  app.add_option("--levels", levels, "Of refinement, at most")->capture_default_str();
-  app.add_option("--csv", csv_file, "Written beside the tables");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::string csv =
-        "scene,triangles,threshold,level,side,evaluated,kept,stopped,excess,cells,mean_triangles\n";
-    for (const std::string& scene : scenes) {
-      csv += lines_of(scene, shares, levels);
-      if (!csv_file.empty()) write_file(csv_file, std::as_bytes(std::span(csv)));
-    }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "octree_tables: %s\n", error.what());
-    return 1;
+void run(const Options& options) {
+  std::string csv =
+      "scene,triangles,threshold,level,side,evaluated,kept,stopped,excess,cells,mean_triangles\n";
+  for (const std::string& scene : options.scenes) {
+    csv += lines_of(scene, options.shares, options.levels);
+    write_table(options.csv, csv);
   }
 }
+
+}  // namespace
+
+void add_octree_tables(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("SCENE", o->scenes, "As for visibility-tables; the dense city is a quarter of it").required();
+  verb.option("--share", o->shares, "Of the scene's triangles: a cell is refined where more are visible")
+      .comma_separated();
+  verb.option("--levels", o->levels, "Of refinement, at most");
+  verb.option("--csv", o->csv, "Written beside the tables");
+  verb.runs([o] { run(*o); });
+}
+
+}  // namespace vismat::bench

@@ -1,6 +1,4 @@
-// Where orders fail: studies on matrices made to hurt, and on given ones.
-//
-//   order_failures --out FOLDER [--scale S] MATRIX.bsp.h5 ...
+// Measures where orders fail: studies on matrices made to hurt, and on given ones.
 //
 // Writes to FOLDER:
 //   failures_shapes.csv   every order on small synthetic matrices, by study and its parameter: structureless
@@ -12,21 +10,21 @@
 //   failures_seeds.csv    the spread of seeded orders over their seeds
 //   failures_recall.csv   nearby_points against brute force: share of the k nearest found
 // The last three take the given matrices and the synthetic power plant at --scale, the seeds' at a quarter of it.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <numeric>
 #include <set>
-#include <span>
-#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "layout/bounds/bound.h"
 #include "layout/cost.h"
 #include "layout/orders/random_order.h"
@@ -34,17 +32,16 @@
 #include "layout/points/sparse_points.h"
 #include "layout/reordering.h"
 #include "layout/tours/sampled_tour.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/base/parallel.h"
 #include "matrix/base/random.h"
 #include "matrix/files/dataset_file.h"
 #include "matrix/generate.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
+#include "programs/names.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using namespace vismat::bench;
 
 struct Options {
   std::filesystem::path out = "out";
@@ -190,8 +187,8 @@ std::string shapes(const Options& options) {
 
 std::string samples(const std::vector<Named>& matrices) {
   std::string csv =
-      "matrix,columns,one_in,samples,k_one_in,neighbours,flips,runs,exact_tour,random,bound,seconds,cpu_"
-      "seconds\n";
+      "matrix,columns,one_in,samples,k_one_in,neighbours,flips,runs,exact_tour,random,bound,seconds,"
+      "cpu_seconds\n";
   for (const Named& m : matrices) {
     const std::uint32_t columns = m.matrix.shape().columns;
     const auto exact = count_runs(m.matrix, find_reordering("exact-tour").order_columns(m.matrix, {}));
@@ -258,8 +255,8 @@ std::string seeds(const std::vector<Named>& matrices, const Options& options) {
 // Ties are no misses: found is what is as near as the k-th nearest.
 std::string recall(const std::vector<Named>& matrices, const Options& options) {
   std::string csv =
-      "matrix,points,rows,mean_weight,sketch_bits,k,recall,nearest_found,seconds,cpu_seconds,brute_cpu_"
-      "seconds\n";
+      "matrix,points,rows,mean_weight,sketch_bits,k,recall,nearest_found,seconds,cpu_seconds,"
+      "brute_cpu_seconds\n";
   constexpr std::uint32_t k = 10;
   for (const Named& m : matrices) {
     const SparsePoints points(m.matrix);
@@ -303,10 +300,10 @@ std::string recall(const std::vector<Named>& matrices, const Options& options) {
 void run(const Options& options) {
   std::vector<Named> matrices;
   for (const std::string& file : options.files)
-    matrices.push_back({name_of(file), read_dataset(file).matrix});
+    matrices.push_back({matrix_name(file), read_dataset(file).matrix});
   matrices.push_back({"power plant", generate_delta_scene(power_plant_scene(options.scale))});
   const auto tell = [&](const char* name, const std::string& csv, double since) {
-    write_file(options.out / name, std::as_bytes(std::span(csv)));
+    write_table(options.out / name, csv);
     std::printf("%-22s %4ju lines, %.1f s\n", name,
                 std::uintmax_t(std::count(csv.begin(), csv.end(), '\n') - 1), wall_seconds() - since);
     std::fflush(stdout);
@@ -324,26 +321,17 @@ void run(const Options& options) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Where orders fail: studies on matrices made to hurt, and on given ones");
-  Options options;
-  app.add_option("--out", options.out, "Folder for the tables")->capture_default_str();
-  app.add_option("--scale", options.scale, "Of the synthetic power plant, as a share of the paper's size")
-      ->check(CLI::Range(1e-4, 1.))
-      ->capture_default_str();
-  app.add_option("--seeds", options.seeds)->check(CLI::Range(3u, 1000u))->capture_default_str();
-  app.add_option("--columns", options.columns, "Of the matrices made to hurt")
-      ->check(CLI::Range(40u, 10'000u))
-      ->capture_default_str();
-  app.add_option("--queries", options.queries, "Points whose neighbours are sought by brute force")
-      ->check(CLI::Range(1u, 1'000'000u))
-      ->capture_default_str();
-  app.add_option("matrices", options.files, "Matrix files");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "order_failures: %s\n", error.what());
-    return 1;
-  }
+void add_order_failures(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("--out", o->out, "Folder for the tables");
+  verb.option("--scale", o->scale, "Of the synthetic power plant, as a share of the paper's size")
+      .between(1e-4, 1.);
+  verb.option("--seeds", o->seeds, "That each order is tried with").between(3u, 1000u);
+  verb.option("--columns", o->columns, "Of the matrices made to hurt").between(40u, 10'000u);
+  verb.option("--queries", o->queries, "Points whose neighbours are sought by brute force")
+      .between(1u, 1'000'000u);
+  verb.option("MATRIX", o->files, "Matrix files");
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

@@ -1,29 +1,28 @@
-// What orders at the papers' scale cost: runs, bounds, seconds and peak memory of synthetic scenes of growing
-// size.
-#include <CLI/CLI.hpp>
+// Measures what orders at the papers' scale cost: runs, bounds, seconds and peak memory of synthetic scenes of growing size, each
+// method in a process of its own.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "layout/bounds/held_karp.h"
 #include "layout/bounds/nearest_bound.h"
 #include "layout/cost.h"
 #include "layout/orders/random_order.h"
 #include "layout/tours/sampled_tour.h"
 #include "layout/tours/scale_tour.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/generate.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using bench::peak_bytes;
-using bench::processor_seconds;
-using bench::wall_seconds;
 
 struct Options {
   std::string scene = "power-plant";
@@ -33,7 +32,7 @@ struct Options {
   std::uint32_t most_held_karp = 30000;
   unsigned threads = 0;
   std::uint64_t seed = 1;
-  std::string csv;
+  std::filesystem::path csv;
 };
 
 // What a child reports; all plain numbers, as it comes through a pipe.
@@ -95,8 +94,7 @@ double exponent(double cost, double cost_before, double ones, double ones_before
 void run(const Options& options) {
   std::string csv =
       "scene,harder,scale,rows,columns,ones,method,runs,runs_per_random,two_nearest,held_karp,order_seconds,"
-      "order_cpu_seconds,"
-      "two_nearest_seconds,held_karp_seconds,peak_bytes,threads,seed\n";
+      "order_cpu_seconds,two_nearest_seconds,held_karp_seconds,peak_bytes,threads,seed\n";
   std::printf("%-12s %8s %8s %10s %11s %8s %8s %8s %8s %8s %8s %8s %8s %7s %7s\n", "method", "scale",
               "columns", "ones", "runs", "/random", "/2-near", "/HK", "order s", "cpu s", "2-near s", "HK s",
               "peak GB", "cpu ~", "GB ~");
@@ -110,7 +108,7 @@ void run(const Options& options) {
       if (method != "random" && std::count(options.methods.begin(), options.methods.end(), method) == 0)
         continue;
       const Measured m =
-          bench::apart<Measured>([&] { return std::vector{measure(options, scale, method)}; }).front();
+          apart<Measured>([&] { return std::vector{measure(options, scale, method)}; }).front();
       const auto peak = static_cast<double>(m.peak_bytes);
       const auto runs = static_cast<double>(m.runs), ones = static_cast<double>(m.ones);
       if (method == "random") random_runs = runs;
@@ -129,37 +127,29 @@ void run(const Options& options) {
       std::printf("\n");
       std::fflush(stdout);
       last = {ones, m.order_cpu_seconds, peak};
-      csv += bench::csv_line(options.scene, options.harder, scale, m.rows, m.columns, m.ones, method, m.runs,
-                             runs / random_runs, m.two_nearest, m.held_karp, m.order_seconds,
-                             m.order_cpu_seconds, m.two_nearest_seconds, m.held_karp_seconds, m.peak_bytes,
-                             options.threads, options.seed);
+      csv +=
+          csv_line(options.scene, options.harder, scale, m.rows, m.columns, m.ones, method, m.runs,
+                   runs / random_runs, m.two_nearest, m.held_karp, m.order_seconds, m.order_cpu_seconds,
+                   m.two_nearest_seconds, m.held_karp_seconds, m.peak_bytes, options.threads, options.seed);
     }
   }
-  if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
+  write_table(options.csv, csv);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app(
-      "Orders of columns at the papers' scale: cost against size, each method in a process of its own");
-  Options options;
-  app.add_option("--scene", options.scene)->check(CLI::IsMember({"power-plant", "city"}));
-  app.add_flag("--harder", options.harder, "the less redundant variant");
-  app.add_option("--scale", options.scales, "shares of the paper's size, growing")
-      ->check(CLI::Range(1e-4, 1.));
-  app.add_option("--method", options.methods, "beside the random order")
-      ->check(CLI::IsMember({"sampled-tour", "scale-tour"}));
-  app.add_option("--held-karp", options.most_held_karp,
-                 "distinct columns up to which Held and Karp's bound is made too");
-  app.add_option("--threads", options.threads, "0: one a core");
-  app.add_option("--seed", options.seed);
-  app.add_option("--csv", options.csv, "written beside the table");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "order_scale: " << error.what() << '\n';
-    return 1;
-  }
+void add_order_scale(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("--scene", o->scene, "Which synthetic scene").one_of({"power-plant", "city"});
+  verb.flag("--harder", o->harder, "The less redundant variant");
+  verb.option("--scale", o->scales, "Shares of the paper's size, growing").between(1e-4, 1.);
+  verb.option("--method", o->methods, "Beside the random order").one_of({"sampled-tour", "scale-tour"});
+  verb.option("--held-karp", o->most_held_karp,
+              "Distinct columns up to which Held and Karp's bound is made too");
+  verb.threads(o->threads);
+  verb.option("--seed", o->seed, "Of the scene and of orders");
+  verb.option("--csv", o->csv, "Written beside the table");
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

@@ -1,35 +1,31 @@
-// Every order of the table on any matrices: runs, what a random order has, a proven bound, seconds, peak
-// memory.
-//
-//   orders --out FOLDER [--side columns|rows] MATRIX.bsp.h5 ...
+// Measures every order of the table on any matrices: runs, what a random order has, a proven bound, seconds, peak memory.
 //
 // Writes FOLDER/orders.csv, a line a matrix and method, and FOLDER/orders_bounds.csv, the ascent of each
 // matrix's bound. Each order is made in a process of its own, up to five times within two seconds; its peak of
 // memory holds the matrix too. `random` is one order; fewer_than_random is against the mean of all orders, which
 // is known exactly.
-#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
-#include <limits>
-#include <span>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "layout/bounds/bound.h"
 #include "layout/cost.h"
 #include "layout/orders/greedy_order.h"
 #include "layout/reordering.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
+#include "programs/names.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using namespace vismat::bench;
 
 struct Options {
   std::filesystem::path out = "out";
@@ -51,7 +47,7 @@ struct Side {
 };
 
 Side load(const std::string& file, const std::string& side) {
-  Side result{name_of(file), side, read_dataset(file)};
+  Side result{matrix_name(file), side, read_dataset(file)};
   Dataset& data = result.data;
   if (side == "rows") {
     data.matrix = transpose(data.matrix);
@@ -77,22 +73,18 @@ std::vector<double> figures(const Side& side, const std::string& method, const O
     return find_reordering(method).order_columns(matrix, order_options);
   };
   try {
-    std::vector<double> seconds;
-    double spent = 0, cpu = processor_seconds();
     Permutation order;
-    do {
-      const double start = wall_seconds();
-      order = make_order();
-      seconds.push_back(wall_seconds() - start);
-      spent += seconds.back();
-    } while (seconds.size() < 5 && spent < 2);
-    cpu = (processor_seconds() - cpu) / static_cast<double>(seconds.size());
+    const double cpu = processor_seconds();
+    const Times times = time_passes({.seconds = 2, .least = 1, .most = 5}, [&] { order = make_order(); });
+    const auto passes = static_cast<double>(times.passes);
+    const double cpu_of_pass = (processor_seconds() - cpu) / passes;
     const auto peak = static_cast<double>(peak_bytes());
-    std::sort(seconds.begin(), seconds.end());
-    const auto runs = count_runs(matrix, order);
-    std::vector<double> result = {static_cast<double>(runs),           seconds[seconds.size() / 2],
-                                  seconds.back() - seconds.front(),    cpu,
-                                  static_cast<double>(seconds.size()), peak};
+    std::vector<double> result = {static_cast<double>(count_runs(matrix, order)),
+                                  times.median,
+                                  times.most - times.least,
+                                  cpu_of_pass,
+                                  passes,
+                                  peak};
     const std::vector<std::uint32_t> visits = order.old_of_new();
     result.insert(result.end(), visits.begin(), visits.end());
     return result;
@@ -159,41 +151,29 @@ void add_tables(const Side& side, const Options& options, std::string& csv, std:
   std::fflush(stdout);
 }
 
-// What stands there already, or the header.
-std::string begin(const std::filesystem::path& path, const char* first_line, bool append) {
-  if (!append || !std::filesystem::exists(path)) return first_line;
-  const std::vector<std::byte> bytes = read_file(path);
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 void run(const Options& options) {
   const auto orders = options.out / "orders.csv", bounds = options.out / "orders_bounds.csv";
-  std::string csv = begin(orders, header, options.append);
-  std::string bounds_csv = begin(bounds, bounds_header, options.append);
+  std::string csv = table_begin(orders, header, options.append);
+  std::string bounds_csv = table_begin(bounds, bounds_header, options.append);
   for (const std::string& file : options.files) {
     add_tables(load(file, options.side), options, csv, bounds_csv);
-    write_file(orders, std::as_bytes(std::span(csv)));
-    write_file(bounds, std::as_bytes(std::span(bounds_csv)));
+    write_table(orders, csv);
+    write_table(bounds, bounds_csv);
   }
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Every order of the table on any matrices, each in a process of its own");
-  Options options;
-  app.add_option("--out", options.out, "Folder for orders.csv and orders_bounds.csv")->capture_default_str();
-  app.add_option("--side", options.side)->check(CLI::IsMember({"columns", "rows"}))->capture_default_str();
-  app.add_option("--method", options.methods, "These alone");
-  app.add_option("--seed", options.order.seed)->capture_default_str();
-  app.add_option("--threads", options.order.threads, "0: one a core")->capture_default_str();
-  app.add_flag("--append", options.append, "Add to the files in the folder");
-  app.add_option("matrices", options.files, "Matrix files")->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "orders: %s\n", error.what());
-    return 1;
-  }
+void add_orders(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("--out", o->out, "Folder for orders.csv and orders_bounds.csv");
+  verb.option("--side", o->side, "What is ordered").one_of({"columns", "rows"});
+  verb.option("--method", o->methods, "These alone");
+  verb.option("--seed", o->order.seed, "Of orders that take one");
+  verb.threads(o->order.threads);
+  verb.flag("--append", o->append, "Add to the files in the folder");
+  verb.option("MATRIX", o->files, "Matrix files").required();
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

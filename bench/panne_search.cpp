@@ -1,22 +1,26 @@
-// Van de Panne and Stewart's search for clusters: size against seconds, on given matrices and on synthetic scenes of growing size.
-#include <CLI/CLI.hpp>
+// Measures van de Panne and Stewart's search for clusters: size against seconds, on given matrices and on synthetic scenes of growing
+// size, each matrix in a process of its own.
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "codecs/clusters/panne.h"
 #include "codecs/rows/row_codec.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/files/dataset_file.h"
 #include "matrix/generate.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
+#include "programs/names.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
 
 struct Options {
   std::vector<std::filesystem::path> matrices;
@@ -24,7 +28,7 @@ struct Options {
   double seconds = 60;
   unsigned threads = 0;
   std::uint64_t seed = 1;
-  std::string csv;
+  std::filesystem::path csv;
 };
 
 // A table as it is after so many seconds of search.
@@ -39,9 +43,9 @@ struct Measured {
 std::vector<Measured> search(const VisibilityMatrix& matrix, const Options& options) {
   std::vector<Measured> points;
   double paused = 0, paused_processor = 0, next = 0;
-  const double start = bench::wall_seconds(), start_processor = bench::processor_seconds();
+  const double start = wall_seconds(), start_processor = processor_seconds();
   const auto note = [&](const PanneTable& table, bool last) {
-    const double now = bench::wall_seconds(), now_processor = bench::processor_seconds();
+    const double now = wall_seconds(), now_processor = processor_seconds();
     const double seconds = now - start - paused;
     if (seconds < next && !last) return;
     next = std::max(seconds * 1.15, seconds + .02);
@@ -55,9 +59,9 @@ std::vector<Measured> search(const VisibilityMatrix& matrix, const Options& opti
     points.push_back({seconds, now_processor - start_processor - paused_processor,
                       encoded.payload.size() + encoded.index.size(), table.price() / (8 * PannePrices::unit),
                       symbols, clusters, matrix.shape().rows, matrix.shape().columns, matrix.ones(),
-                      bench::peak_bytes()});
-    paused += bench::wall_seconds() - now;
-    paused_processor += bench::processor_seconds() - now_processor;
+                      peak_bytes()});
+    paused += wall_seconds() - now;
+    paused_processor += processor_seconds() - now_processor;
   };
   const PanneTable table =
       search_clusters(matrix, {.seconds = options.seconds,
@@ -74,14 +78,12 @@ std::vector<Measured> search(const VisibilityMatrix& matrix, const Options& opti
 void run(const Options& options) {
   std::string csv =
       "matrix,rows,columns,ones,bitmap,seconds,bytes,clusters,symbols,priced_bytes,processor_seconds,peak_"
-      "bytes,threads,"
-      "seed\n";
+      "bytes,threads,seed\n";
   const auto tell = [&](const std::string& name, const std::vector<Measured>& points) {
     for (const Measured& m : points) {
       const std::uint64_t bitmap = std::uint64_t{m.rows} * row_bytes_of(m.columns);
-      csv +=
-          bench::csv_line(name, m.rows, m.columns, m.ones, bitmap, m.seconds, m.bytes, m.clusters, m.symbols,
-                          m.priced_bytes, m.processor_seconds, m.peak_bytes, options.threads, options.seed);
+      csv += csv_line(name, m.rows, m.columns, m.ones, bitmap, m.seconds, m.bytes, m.clusters, m.symbols,
+                      m.priced_bytes, m.processor_seconds, m.peak_bytes, options.threads, options.seed);
     }
     const Measured &first = points.front(), &last = points.back();
     std::printf("%-28s %7u %7u %10llu %10llu %10llu %7.2f %8.1f %8u\n", name.c_str(), last.rows, last.columns,
@@ -90,42 +92,34 @@ void run(const Options& options) {
                 static_cast<double>(first.bytes) / static_cast<double>(last.bytes), last.seconds,
                 last.clusters);
     std::fflush(stdout);
-    if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
+    write_table(options.csv, csv);
   };
   std::printf("%-28s %7s %7s %10s %10s %10s %7s %8s %8s\n", "matrix", "rows", "columns", "ones", "without",
               "bytes", "ratio", "seconds", "clusters");
   for (const auto& path : options.matrices) {
-    tell(bench::name_of(path),
-         bench::apart<Measured>([&] { return search(read_dataset(path).matrix, options); }));
+    tell(matrix_name(path), apart<Measured>([&] { return search(read_dataset(path).matrix, options); }));
   }
   for (const double scale : options.scales) {
     DeltaSceneOptions scene = power_plant_scene(scale);
     scene.seed = options.seed;
-    tell("power-plant-1/" + std::to_string(std::lround(1 / scale)), bench::apart<Measured>([&] {
-           return search(generate_delta_scene(scene, options.threads), options);
-         }));
+    tell("power-plant-1/" + std::to_string(std::lround(1 / scale)),
+         apart<Measured>([&] { return search(generate_delta_scene(scene, options.threads), options); }));
   }
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app(
-      "The search for clusters of codec panne: bytes against seconds, each matrix in a process of its own");
-  Options options;
-  app.add_option("MATRIX", options.matrices, "matrix files");
-  app.add_option("--scale", options.scales, "power plants too, at these shares of the paper's size")
-      ->check(CLI::Range(1e-4, 1.));
-  app.add_option("--seconds", options.seconds, "for each matrix; 0: as codec panne, until little is found")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--threads", options.threads, "0: one a core");
-  app.add_option("--seed", options.seed);
-  app.add_option("--csv", options.csv, "a line for each point of each curve");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "panne_search: " << error.what() << '\n';
-    return 1;
-  }
+void add_panne_search(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("MATRIX", o->matrices, "Matrix files");
+  verb.option("--scale", o->scales, "Power plants too, at these shares of the paper's size")
+      .between(1e-4, 1.);
+  verb.option("--seconds", o->seconds, "For each matrix; 0: as codec panne, until little is found")
+      .not_negative();
+  verb.threads(o->threads);
+  verb.option("--seed", o->seed, "Of the search and of the power plants");
+  verb.option("--csv", o->csv, "A line for each point of each curve");
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

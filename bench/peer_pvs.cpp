@@ -1,4 +1,4 @@
-// Our rays against q3map2's portals: what rays from inside a level's clusters reach must lie in the level's own potentially
+// Measures our rays against q3map2's portals: what rays from inside a level's clusters reach must lie in the level's own potentially
 // visible sets. From each cluster rays run until they meet drawn, opaque geometry; each cluster that they pass on the way
 // makes a pair. Pairs outside of the level's table are exceptions, told apart by what the ray passed before:
 //   far      farther apart than the level lets anything be seen (its key _farplanedist): the ray is longer
@@ -7,28 +7,45 @@
 //   slits    the ray, moved by 0.2 of the level's units in one of eight directions, does not get there or only through
 //            solid leafs: openings and corners that the compiler's tolerance closes (it drops portals whose edges are shorter)
 //   others   neither: to be explained one by one; the first of each level are printed with --examples
-#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <map>
-#include <mutex>
+#include <memory>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "matrix/base/parallel.h"
 #include "matrix/base/random.h"
+#include "programs/csv.h"
 #include "programs/progress.h"
 #include "visibility/geometry/growing_box.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/rays/ray_caster.h"
 
+namespace vismat::bench {
 namespace {
 
-using namespace vismat;
 namespace fs = std::filesystem;
+
+struct Options {
+  std::vector<std::string> wheres;
+  std::uint32_t packets = 16;
+  std::size_t examples = 0;
+  double slit = 0.2;  // the compiler drops portals with shorter edges
+  std::uint64_t seed = 1;
+  unsigned threads = 0;
+  std::filesystem::path csv;
+};
 
 constexpr double thin = 1e-3;  // metres of solid that count as none
 
@@ -142,8 +159,7 @@ std::map<std::int32_t, std::pair<Cause, Ray>> look_from(const Level& level, cons
   return seen;
 }
 
-Counts compare(const std::string& where, std::uint32_t packets, double slit, std::uint64_t seed,
-               unsigned threads) {
+Counts compare(const std::string& where, const Options& options) {
   const Level level = read_level(where);
   Counts counts;
   counts.level = level.name;
@@ -163,9 +179,10 @@ Counts compare(const std::string& where, std::uint32_t packets, double slit, std
   }
   std::vector<std::map<std::int32_t, std::pair<Cause, Ray>>> seen(counts.clusters);
   std::vector<std::uint64_t> rays(counts.clusters);
-  parallel_for(counts.clusters, threads, [&](std::uint64_t c) {
+  parallel_for(counts.clusters, options.threads, [&](std::uint64_t c) {
     const auto cluster = static_cast<std::uint32_t>(c);
-    seen[c] = look_from(level, world.box(), caster, slit, cluster, packets, Random(seed, c), rays[c]);
+    seen[c] = look_from(level, world.box(), caster, options.slit * metres_per_level_unit, cluster,
+                        options.packets, Random(options.seed, c), rays[c]);
   });
   for (std::uint32_t c = 0; c < counts.clusters; ++c) {
     counts.rays += rays[c];
@@ -179,26 +196,8 @@ Counts compare(const std::string& where, std::uint32_t packets, double slit, std
   return counts;
 }
 
-int run(int argc, char** argv) {
-  CLI::App app("Do rays reach only what a level's own visibility table lists?");
-  std::vector<std::string> wheres;
-  std::uint32_t packets = 16;
-  std::size_t examples = 0;
-  double slit = 0.2;  // the compiler drops portals with shorter edges
-  std::uint64_t seed = 1;
-  unsigned threads = 0;
-  std::string csv;
-  app.add_option("LEVEL", wheres, "Levels, .pk3 files, or folders of them")->required();
-  app.add_option("--packets", packets, "Viewpoints a cluster, 16 rays each")->capture_default_str();
-  app.add_option("--slit", slit, "How far rays are moved to tell slits, in the level's units")
-      ->capture_default_str();
-  app.add_option("--examples", examples, "Rays without a known cause to print for each level")
-      ->capture_default_str();
-  app.add_option("--seed", seed)->capture_default_str();
-  app.add_option("--threads", threads)->capture_default_str();
-  app.add_option("--csv", csv, "Writes the table there too");
-  CLI11_PARSE(app, argc, argv);
-
+// Of levels, .pk3 files and folders of them.
+std::vector<std::string> levels_in(const std::vector<std::string>& wheres) {
   std::vector<std::string> levels;
   for (const std::string& where : wheres) {
     std::vector<fs::path> files;
@@ -217,10 +216,13 @@ int run(int argc, char** argv) {
       for (const LevelListing& level : list_levels(file)) levels.push_back(level.where);
     }
   }
+  return levels;
+}
 
-  std::FILE* table = csv.empty() ? nullptr : std::fopen(csv.c_str(), "w");
-  if (!csv.empty() && table == nullptr) throw std::runtime_error(csv + ": cannot be written");
-  if (table != nullptr) std::fprintf(table, "level,clusters,listed,rays,inside,slits,others,far,walls\n");
+void run(const Options& options) {
+  const std::vector<std::string> levels = levels_in(options.wheres);
+  std::string csv = "level,clusters,listed,rays,inside,slits,others,far,walls\n";
+  write_table(options.csv, csv);
   std::printf("%-48s %8s %9s %9s %9s", "level", "clusters", "listed", "sampled", "inside %");
   for (int cause = slits; cause < causes; ++cause) std::printf(" %7s", names[cause]);
   std::printf("\n");
@@ -230,40 +232,43 @@ int run(int argc, char** argv) {
     progress(i, levels.size());
     Counts c;
     try {
-      c = compare(levels[i], packets, slit * metres_per_level_unit, seed, threads);
+      c = compare(levels[i], options);
     } catch (const std::exception& error) {
       std::fprintf(stderr, "left out: %s\n", error.what());
       continue;
     }
-    const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
     const std::uint64_t sampled =
         c.of_cause[inside] + c.of_cause[slits] + c.of_cause[others] + c.of_cause[farther];
-    std::printf("%-48s %8llu %9llu %9llu %9.4f", c.level.c_str(), number(c.clusters), number(c.listed),
-                number(sampled),
+    std::printf("%-48s %8ju %9ju %9ju %9.4f", c.level.c_str(), std::uintmax_t{c.clusters},
+                std::uintmax_t{c.listed}, std::uintmax_t{sampled},
                 100 * static_cast<double>(c.of_cause[inside]) /
                     static_cast<double>(std::max<std::uint64_t>(1, sampled)));
-    for (int cause = slits; cause < causes; ++cause) std::printf(" %7llu", number(c.of_cause[cause]));
+    for (int cause = slits; cause < causes; ++cause) std::printf(" %7ju", std::uintmax_t{c.of_cause[cause]});
     std::printf("\n");
-    for (std::size_t k = 0; k < std::min(examples, c.examples.size()); ++k)
+    for (std::size_t k = 0; k < std::min(options.examples, c.examples.size()); ++k)
       std::printf("%s\n", c.examples[k].c_str());
     std::fflush(stdout);
-    if (table != nullptr) {
-      std::fprintf(table, "%s,%llu,%llu,%llu", c.level.c_str(), number(c.clusters), number(c.listed),
-                   number(c.rays));
-      for (const std::uint64_t count : c.of_cause) std::fprintf(table, ",%llu", number(count));
-      std::fprintf(table, "\n");
-    }
+    csv += csv_line(c.level, c.clusters, c.listed, c.rays, c.of_cause[inside], c.of_cause[slits],
+                    c.of_cause[others], c.of_cause[farther], c.of_cause[walls]);
+    write_table(options.csv, csv);
     unexplained += c.of_cause[others];
   }
   progress(levels.size(), levels.size());
-  if (table != nullptr) std::fclose(table);
-  std::printf("%llu pairs without a known cause\n", (unsigned long long)unexplained);
-  return 0;
+  std::printf("%ju pairs without a known cause\n", std::uintmax_t{unexplained});
 }
 
 }  // namespace
 
-int main(int argc, char** argv) try { return run(argc, argv); } catch (const std::exception& error) {
-  std::fprintf(stderr, "peer_pvs: %s\n", error.what());
-  return 1;
+void add_peer_pvs(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("LEVEL", o->wheres, "Levels, .pk3 files, or folders of them").required();
+  verb.option("--packets", o->packets, "Viewpoints a cluster, 16 rays each");
+  verb.option("--slit", o->slit, "How far rays are moved to tell slits, in the level's units");
+  verb.option("--examples", o->examples, "Rays without a known cause to print for each level");
+  verb.option("--seed", o->seed, "Of the rays");
+  verb.threads(o->threads);
+  verb.option("--csv", o->csv, "Writes the table there too");
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

@@ -1,24 +1,27 @@
-// Rows that are worst for a code: bytes of a row and time to decode it, for each codec that gives rows alone.
+// Measures the rows that are worst for a code: bytes of a row and time to decode it, for each codec that gives rows alone.
 //
 // Each kind of row stands 256 times in a matrix of 8192 columns (1024 bytes of bitmap a row). What a row cannot take more than is
 // proven where each code is written; codecs with the escape never take more than the bitmap.
-#include <CLI/CLI.hpp>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/rows/bitmap.h"
 #include "codecs/vmat/container.h"
 #include "codecs/vmat/row_reader.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/base/random.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
 
 constexpr std::uint32_t rows = 256, columns = 8192;
 
@@ -97,7 +100,7 @@ void measure(std::string& csv, double seconds) {
       const auto file = write_container(container);
       const RowReader reader(file, std::span(&codec, 1));
       RowBuffer<std::uint32_t> buffer;
-      const bench::Times pass = bench::time_passes(seconds, [&] {
+      const Times pass = time_passes({seconds}, [&] {
         for (std::uint32_t r = 0; r < rows; ++r) reader.ids(r, buffer);
       });
       const double us = 1e6 * pass.median / rows;
@@ -106,27 +109,27 @@ void measure(std::string& csv, double seconds) {
                    rate = static_cast<double>(matrix.ones()) / rows / us;
       std::printf("%-20s %-20s %12.1f %11.3f %11.3f %12.1f\n", kind.name, std::string(codec.name).c_str(),
                   bytes, share, us, rate);
-      csv += bench::csv_line(bench::quoted(kind.name), bench::quoted(kind.why), matrix.ones() / rows,
-                             codec.name, bytes, share, us);
+      csv += csv_line(csv_quoted(kind.name), csv_quoted(kind.why), matrix.ones() / rows, codec.name, bytes,
+                      share, us);
     }
   }
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Rows that are worst for a code");
-  std::string out;
-  double seconds = .02;
-  app.add_option("--csv", out, "written beside the table");
-  app.add_option("--seconds", seconds, "for each time");
-  CLI11_PARSE(app, argc, argv);
-  try {
+void add_row_failures(const Verb& verb) {
+  struct Options {
+    std::filesystem::path csv;
+    double seconds = .02;
+  };
+  const auto o = std::make_shared<Options>();
+  verb.option("--csv", o->csv, "Written beside the table");
+  verb.option("--seconds", o->seconds, "For each time");
+  verb.runs([o] {
     std::string csv = "row,why,ones,codec,bytes,of_bitmap,decode_us\n";
-    measure(csv, seconds);
-    if (!out.empty()) write_file(out, std::as_bytes(std::span(csv)));
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "row_failures: %s\n", error.what());
-    return 1;
-  }
+    measure(csv, o->seconds);
+    write_table(o->csv, csv);
+  });
 }
+
+}  // namespace vismat::bench

@@ -1,27 +1,28 @@
-// Single rows out of a `.vmat` file, for Google Benchmark:
-//
-//   row_speed [MATRIX.bsp.h5] [--benchmark_filter=delimiter ...]
+// Measures what single rows out of a .vmat file cost, with Google Benchmark.
 //
 // Each codec that gives rows alone, in each form, warm and cold. Rows come in shuffled order into one buffer, and every
 // row's content is checked within the timed loop (its sum against the row's). Warm: one file, read over and over. Cold:
 // copies of it, three times the last-level cache (at most 768 MB), so that a row comes from memory, its index too. The times are
-// the median and the spread of 7 repetitions. open/...: a file of 100 MB in
-// the page cache is mapped, and asked for a row's place in its index.
+// the median and the spread of 7 repetitions. open/...: a file of 100 MB in the page cache is mapped, and asked for a row's place
+// in its index.
 //
-// Without a matrix: 4096 differences over 100,000 columns, about as paper 000 has them (.5 % dense, 3 ones a run, 750 bytes).
+// Without a matrix: 4096 differences over 100,000 columns, about as Chhugani et al. 2005 have them (.5 % dense, 3 ones a run, 750
+// bytes).
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <bit>
-#include <cstdio>
-#include <exception>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "bench/google_benchmark.h"
+#include "bench/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/rows/bitmap.h"
 #include "codecs/rows/row_codec.h"
@@ -31,9 +32,8 @@
 #include "matrix/base/random.h"
 #include "matrix/files/dataset_file.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
 
 VisibilityMatrix differences_like_the_papers() {
   Random random(1);
@@ -216,37 +216,31 @@ void register_form(const Codec& codec, const VisibilityMatrix& matrix, bool cold
   });
 }
 
+void run(const VisibilityMatrix& matrix) {
+  std::vector<Codec> codecs = all_codecs();
+  std::erase_if(codecs, [](const Codec& codec) { return !codec.rows_alone(); });
+  for (const Codec& codec : codecs) {
+    for (const bool cold : {false, true}) {
+      register_form<Ids>(codec, matrix, cold);
+      register_form<Runs>(codec, matrix, cold);
+      register_form<Bits>(codec, matrix, cold);
+    }
+  }
+  benchmark::RegisterBenchmark("open/delimiter",
+                               [](benchmark::State& state) { open_file(state, find_codec("delimiter")); });
+  benchmark::RunSpecifiedBenchmarks();
+}
+
 }  // namespace
 
-int main(int argc, char** argv) {
-  std::vector<char*> arguments(argv, argv + argc);
-  std::string repetitions = "--benchmark_repetitions=7",
-              aggregates = "--benchmark_report_aggregates_only=true";
-  arguments.insert(arguments.begin() + 1, {repetitions.data(), aggregates.data()});
-  int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
-  if (count > 2) {
-    std::fprintf(stderr, "usage: row_speed [MATRIX.bsp.h5] [--benchmark_...]\n");
-    return 1;
-  }
-  try {
-    const VisibilityMatrix matrix =
-        count == 2 ? read_dataset(arguments[1]).matrix : differences_like_the_papers();
-    std::vector<Codec> codecs = all_codecs();
-    std::erase_if(codecs, [](const Codec& codec) { return !codec.rows_alone(); });
-    for (const Codec& codec : codecs) {
-      for (const bool cold : {false, true}) {
-        register_form<Ids>(codec, matrix, cold);
-        register_form<Runs>(codec, matrix, cold);
-        register_form<Bits>(codec, matrix, cold);
-      }
-    }
-    benchmark::RegisterBenchmark("open/delimiter",
-                                 [](benchmark::State& state) { open_file(state, find_codec("delimiter")); });
-    benchmark::RunSpecifiedBenchmarks();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "row_speed: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+void add_row_speed(const Verb& verb) {
+  verb.example("bench row-speed koth1.bsp.h5 --benchmark_filter=delimiter");
+  verb.runs_with_rest([](std::vector<std::string> arguments) {
+    const std::string first[] = {"--benchmark_repetitions=7", "--benchmark_report_aggregates_only=true"};
+    arguments.insert(arguments.begin(), std::begin(first), std::end(first));
+    const auto files = start_google_benchmark(std::move(arguments), 1, "bench row-speed [MATRIX.bsp.h5]");
+    run(files.empty() ? differences_like_the_papers() : read_dataset(files[0]).matrix);
+  });
 }
+
+}  // namespace vismat::bench

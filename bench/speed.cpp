@@ -1,24 +1,24 @@
-// Codecs and orders on one matrix, for Google Benchmark:
-//
-//   speed MATRIX.bsp.h5 [--benchmark_filter=... --benchmark_repetitions=9 ...]
+// Measures the speed of codecs and orders on one matrix, with Google Benchmark.
 //
 // Bytes per second are those of the bitmap, so codecs compare with one another and with a copy of memory.
 // Each codec is checked by a round trip before it is timed.
 #include <benchmark/benchmark.h>
 
-#include <cstdio>
-#include <exception>
+#include <cstdint>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "bench/google_benchmark.h"
+#include "bench/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/rows/bitmap.h"
 #include "layout/orders/greedy_order.h"
 #include "matrix/files/dataset_file.h"
 #include "programs/prepared_for.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
 
 void count_bitmap_bytes(benchmark::State& state, Shape shape) {
   state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * bitmap_size(shape)));
@@ -43,34 +43,34 @@ void register_codec(const Codec& codec, const Dataset& data) {
   })->Unit(benchmark::kMillisecond);
 }
 
+void run(Dataset data) {
+  if (data.source.tree && !data.source.columns_are_nodes) data = over_nodes(data);
+  const std::vector<Codec> codecs = all_codecs();
+  for (const Codec& codec : codecs) {
+    if (obstacle(codec, data).empty()) register_codec(codec, data);
+  }
+  benchmark::RegisterBenchmark("order/greedy", [&data](benchmark::State& state) {
+    for (auto _ : state) benchmark::DoNotOptimize(order_rows_greedily(data.matrix).size());
+  })->Unit(benchmark::kMillisecond);
+  if (data.row_neighbours) {
+    benchmark::RegisterBenchmark("order/neighbours", [&data](benchmark::State& state) {
+      for (auto _ : state)
+        benchmark::DoNotOptimize(order_rows_by_neighbours(data.matrix, *data.row_neighbours).size());
+    })->Unit(benchmark::kMillisecond);
+  }
+  benchmark::RunSpecifiedBenchmarks();
+}
+
 }  // namespace
 
-int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: speed MATRIX.bsp.h5 [--benchmark_...]\n");
-    return 1;
-  }
-  try {
-    Dataset data = read_dataset(argv[1]);
-    if (data.source.tree && !data.source.columns_are_nodes) data = over_nodes(data);
-    const std::vector<Codec> codecs = all_codecs();
-    for (const Codec& codec : codecs) {
-      if (obstacle(codec, data).empty()) register_codec(codec, data);
-    }
-    benchmark::RegisterBenchmark("order/greedy", [&data](benchmark::State& state) {
-      for (auto _ : state) benchmark::DoNotOptimize(order_rows_greedily(data.matrix).size());
-    })->Unit(benchmark::kMillisecond);
-    if (data.row_neighbours) {
-      benchmark::RegisterBenchmark("order/neighbours", [&data](benchmark::State& state) {
-        for (auto _ : state)
-          benchmark::DoNotOptimize(order_rows_by_neighbours(data.matrix, *data.row_neighbours).size());
-      })->Unit(benchmark::kMillisecond);
-    }
-    benchmark::RunSpecifiedBenchmarks();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "speed: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+void add_speed(const Verb& verb) {
+  verb.example("bench speed koth1.bsp.h5 --benchmark_filter=decode");
+  verb.runs_with_rest([](const std::vector<std::string>& arguments) {
+    const char* usage = "bench speed MATRIX.bsp.h5";
+    const auto files = start_google_benchmark(arguments, 1, usage);
+    if (files.empty()) throw std::invalid_argument("usage: " + std::string(usage));
+    run(read_dataset(files[0]));
+  });
 }
+
+}  // namespace vismat::bench

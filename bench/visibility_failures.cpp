@@ -1,25 +1,36 @@
-// Where and why visibility from cells fails: accuracy against raster, cell and triangle size, what each kind of occluder buys,
-// slivers, cracks, walls close together, gaps narrower than a pixel, cells at occluders, far coordinates, levels of detail.
+// Measures where and why visibility from cells fails: accuracy against raster, cell and triangle size, what each kind of occluder
+// buys, slivers, cracks, walls close together, gaps narrower than a pixel, cells at occluders, far coordinates, levels of detail.
 //
-//   visibility_failures --out FOLDER
-//
-// Writes FOLDER/failures.csv (each line judged as in visibility_tables) and FOLDER/detail.csv. Ends with 1 where an object is hidden
-// that a ray reaches or geometry says is seen, or where a level of detail moves a point by more than a pixel.
-#include <CLI/CLI.hpp>
+// Writes FOLDER/failures.csv (each line judged as in `bench visibility-tables`) and FOLDER/detail.csv. Ends with 1 where an object is
+// hidden that a ray reaches or geometry says is seen, or where a level of detail moves a point by more than a pixel.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "bench/verbs.h"
 #include "bench/visibility_study.h"
-#include "matrix/base/atomic_file.h"
+#include "programs/csv.h"
+#include "programs/measuring.h"
 #include "visibility/detail/levels_of_detail.h"
+#include "visibility/generators/dense_city.h"
 #include "visibility/meshes/components.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using namespace vismat::bench;
 
 struct Options {
   std::filesystem::path out = ".";
   std::uint32_t places = 4, each = 2;
+  std::vector<std::string> only;
 };
 
 class Failures {
@@ -33,12 +44,12 @@ class Failures {
     const std::string lines = study.lines(wrong_);
     for (std::size_t at = 0; at < lines.size();) {
       const std::size_t end = lines.find('\n', at) + 1;
-      csv_ += bench::quoted(what) + "," + bench::quoted(value) + "," + lines.substr(at, end - at);
+      csv_ += csv_quoted(what) + "," + csv_quoted(value) + "," + lines.substr(at, end - at);
       at = end;
     }
     std::printf("%s, %s\n%s", what.c_str(), value.c_str(), lines.c_str());
     std::fflush(stdout);
-    write_file(options_.out / "failures.csv", std::as_bytes(std::span(csv_)));
+    write_table(options_.out / "failures.csv", csv_);
   }
   /// Single shadows with each of `occluders`.
   void shadows(const std::string& what, const std::string& value, const Scene& scene,
@@ -330,47 +341,39 @@ std::uint64_t detail(const Options& options) {
         over += most > 1;
       }
     }
-    std::sort(deviations.begin(), deviations.end());
     csv += csv_line(whole_cell ? "from all of the cell" : "from its centre alone", objects, deviations.size(),
-                    full, drawn, deviations[deviations.size() / 2], deviations.back(), over);
+                    full, drawn, median(deviations), quantile(deviations, 1), over);
     if (whole_cell) wrong += over;
   }
   std::printf("%s", csv.c_str());
-  write_file(options.out / "detail.csv", std::as_bytes(std::span(csv)));
+  write_table(options.out / "detail.csv", csv);
   return wrong;
+}
+
+void run(const Options& options) {
+  const auto wanted = [&](const char* name) {
+    return options.only.empty() || std::ranges::find(options.only, name) != options.only.end();
+  };
+  Failures failures(options);
+  if (wanted("walls")) walls(failures);
+  if (wanted("far")) far_away(failures);
+  if (wanted("triangles")) triangle_sizes(failures);
+  if (wanted("sizes")) sizes(failures);
+  const std::uint64_t wrong = failures.wrong() + (wanted("detail") ? detail(options) : 0);
+  if (wrong > 0) throw std::runtime_error(std::to_string(wrong) + " answers are wrong");
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Where and why visibility from cells fails");
-  Options options;
-  std::vector<std::string> only;
-  app.add_option("--out", options.out, "Folder for the tables")->capture_default_str();
-  app.add_option("--places", options.places, "Spread over a city")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--cells", options.each, "At each place")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--only", only, "These alone")
-      ->check(CLI::IsMember({"walls", "far", "triangles", "sizes", "detail"}))
-      ->delimiter(',');
-  CLI11_PARSE(app, argc, argv);
-  const auto wanted = [&](const char* name) {
-    return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
-  };
-  try {
-    Failures failures(options);
-    if (wanted("walls")) walls(failures);
-    if (wanted("far")) far_away(failures);
-    if (wanted("triangles")) triangle_sizes(failures);
-    if (wanted("sizes")) sizes(failures);
-    const std::uint64_t wrong = failures.wrong() + (wanted("detail") ? detail(options) : 0);
-    if (wrong > 0) {
-      std::fprintf(stderr, "visibility_failures: %ju answers are wrong\n", std::uintmax_t{wrong});
-      return 1;
-    }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "visibility_failures: %s\n", error.what());
-    return 1;
-  }
+void add_visibility_failures(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("--out", o->out, "Folder for the tables");
+  verb.option("--places", o->places, "Spread over a city").between(1u, 1000u);
+  verb.option("--cells", o->each, "At each place").between(1u, 1000u);
+  verb.option("--only", o->only, "These alone")
+      .comma_separated()
+      .one_of({"walls", "far", "triangles", "sizes", "detail"});
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

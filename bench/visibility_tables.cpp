@@ -1,21 +1,29 @@
-// Over-estimation and missed objects against milliseconds a view cell, for every producer.
-//
-//   visibility_tables --csv FILE [--places N] SCENE ...
+// Measures over-estimation and missed objects against milliseconds a view cell, for every producer.
 //
 // Scenes by name (bench/visibility_study.h), or files. View cells are some at each of a few places, since sampling shares rays between
 // neighbours; times are those of one thread by the processor's clock, a cell, median and range over the places. What a
 // scene's occluders and ray tree take stands apart. Every line is compared with rays first: an object that a run hides and a
 // ray reaches is told, and ends the program with 1.
-#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "bench/verbs.h"
 #include "bench/visibility_study.h"
-#include "matrix/base/atomic_file.h"
+#include "programs/csv.h"
+#include "programs/measuring.h"
+#include "programs/names.h"
 #include "visibility/shadows/projection_point.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using namespace vismat::bench;
 
 struct Options {
   std::vector<std::string> scenes;
@@ -114,7 +122,7 @@ void add_rays(Study& study, const Shadows& shadows, double preparing_ms, bool lo
   }
 }
 
-std::uint64_t run(const Options& options) {
+void run(const Options& options) {
   std::string csv = table_begin(options.csv, Study::header, options.append);
   std::uint64_t wrong = 0;
   for (const std::string& name : options.scenes) {
@@ -122,41 +130,29 @@ std::uint64_t run(const Options& options) {
     const double busy = processor_seconds();
     const Shadows shadows(file.scene, find_occluders(file.scene));
     const double preparing_ms = 1e3 * (processor_seconds() - busy);
-    Study study(scene_name(name), file.scene, places_of(file.cells, options.places, options.each));
+    Study study(level_name(name), file.scene, places_of(file.cells, options.places, options.each));
     add_shadows(study, shadows, preparing_ms);
     add_rays(study, shadows, preparing_ms, options.long_runs);
     const std::string lines = study.lines(wrong);
     std::printf("%s", lines.c_str());
     std::fflush(stdout);
     csv += lines;
-    if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
+    write_table(options.csv, csv);
   }
-  return wrong;
+  if (wrong > 0) throw std::runtime_error(std::to_string(wrong) + " objects are hidden that rays reach");
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Over-estimation and missed objects against milliseconds a view cell, for every producer");
-  Options options;
-  app.add_option("SCENES", options.scenes, "dense-city, box-city, plant, soup, tilted-boxes, or a file")
-      ->required();
-  app.add_option("--csv", options.csv, "Written beside the table");
-  app.add_flag("--append", options.append, "Add to that file");
-  app.add_option("--places", options.places, "Spread over the scene")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--cells", options.each, "At each place")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_flag("--long", options.long_runs, "More patches too");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    if (const std::uint64_t wrong = run(options)) {
-      std::fprintf(stderr, "visibility_tables: %ju objects are hidden that rays reach\n",
-                   std::uintmax_t{wrong});
-      return 1;
-    }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "visibility_tables: %s\n", error.what());
-    return 1;
-  }
+void add_visibility_tables(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("SCENE", o->scenes, "dense-city, box-city, plant, soup, tilted-boxes, or a file").required();
+  verb.option("--csv", o->csv, "Written beside the table");
+  verb.flag("--append", o->append, "Add to that file");
+  verb.option("--places", o->places, "Spread over the scene").between(1u, 1000u);
+  verb.option("--cells", o->each, "At each place").between(1u, 1000u);
+  verb.flag("--long", o->long_runs, "More patches too");
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

@@ -1,19 +1,25 @@
-// Differences between neighbouring view cells, compressed as paper 000 does and otherwise: its Table 2.
+// Measures differences between neighbouring view cells, compressed as Chhugani et al. 2005 do and otherwise: their Table 2.
 //
 // A difference is one row of a matrix, or two where the file has boundaries (what appears, what vanishes). Bytes are the
 // lists' own, models that they share included, and no index: what the paper counts. The paper does not say as what bytes LZW got
-// the pairs: pair-lzw takes varints, "lzw of 32 bits" numbers as its 9x over bit masks has them (counted, not timed). Each code is checked by a round trip,
-// times are the median, the least and the most of several passes over all differences in the order of the file.
-#include <CLI/CLI.hpp>
+// the pairs: pair-lzw takes varints, "lzw of 32 bits" numbers as its 9x over bit masks has them (counted, not timed). Each code is
+// checked by a round trip, times are the median, the least and the most of several passes over all differences in the order of the
+// file.
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
+#include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/rows/bitmap.h"
 #include "codecs/rows/pairs.h"
@@ -23,16 +29,14 @@
 #include "layout/cost.h"
 #include "layout/orders/random_order.h"
 #include "layout/tours/sampled_tour.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/files/dataset_file.h"
 #include "matrix/generate.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
+#include "programs/names.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
-using bench::time_passes;
-using bench::Times;
 
 struct Options {
   std::vector<std::filesystem::path> files;
@@ -42,7 +46,7 @@ struct Options {
                                     "pair-gamma", "pair-delta",   "pair-rice",           "pair-interpolative",
                                     "pair-ans",   "streamvbyte",  "elias-fano",          "roaring"};
   double seconds = .5;
-  std::string csv;
+  std::filesystem::path csv;
 };
 
 struct Subject {
@@ -54,7 +58,7 @@ struct Subject {
 // Whole rows, which lead into a cell from outside, are no differences.
 Subject read(const std::filesystem::path& file) {
   const Dataset data = read_dataset(file);
-  if (data.source.boundaries.empty()) return {bench::name_of(file), data.matrix};
+  if (data.source.boundaries.empty()) return {matrix_name(file), data.matrix};
   std::vector<std::uint64_t> offsets = {0};
   std::vector<std::uint32_t> ids;
   for (std::size_t b = 0; b < data.source.boundaries.size(); ++b) {
@@ -67,7 +71,7 @@ Subject read(const std::filesystem::path& file) {
   }
   const auto lists = static_cast<std::uint32_t>(offsets.size() - 1);
   return {
-      bench::name_of(file),
+      matrix_name(file),
       VisibilityMatrix::from_csr({lists, data.matrix.shape().columns}, std::move(offsets), std::move(ids)),
       2};
 }
@@ -144,9 +148,9 @@ void measure(const Subject& subject, const Options& options, std::string& csv) {
       const auto us = [&](const Times* t, double Times::*which) {
         return t == nullptr ? 0 : 1e6 * t->*which / differences;
       };
-      csv += bench::csv_line(subject.name, shape.rows, shape.columns, matrix.ones(), differences, order, runs,
-                             bitmask, code, bytes, us(encode, &Times::median), us(decode, &Times::median),
-                             us(decode, &Times::least), us(decode, &Times::most));
+      csv += csv_line(subject.name, shape.rows, shape.columns, matrix.ones(), differences, order, runs,
+                      bitmask, code, bytes, us(encode, &Times::median), us(decode, &Times::median),
+                      us(decode, &Times::least), us(decode, &Times::most));
     };
     keep("bit masks", bitmask, nullptr, nullptr);
     keep("ids of 32 bits", ids, nullptr, nullptr);
@@ -160,8 +164,8 @@ void measure(const Subject& subject, const Options& options, std::string& csv) {
       const auto file = write_container(container);
       const RowReader reader(file, std::span(&codec, 1));
       RowBuffer<std::uint32_t> buffer;
-      const Times encode = time_passes(options.seconds, [&] { codec.encode(matrix, {}, {}); });
-      const Times decode = time_passes(options.seconds, [&] {
+      const Times encode = time_passes({options.seconds}, [&] { codec.encode(matrix, {}, {}); });
+      const Times decode = time_passes({options.seconds}, [&] {
         for (std::uint32_t r = 0; r < shape.rows; ++r) reader.ids(r, buffer);
       });
       keep(name, container.encoded.payload.size(), &encode, &decode);
@@ -169,38 +173,34 @@ void measure(const Subject& subject, const Options& options, std::string& csv) {
   }
 }
 
+void run(const Options& options) {
+  std::string csv =
+      "matrix,rows,columns,ones,differences,order,runs,bitmask_bytes,code,bytes,encode_us,decode_us,decode_"
+      "us_least,decode_us_most\n";
+  for (const double scale : options.scales) {
+    char name[64];
+    std::snprintf(name, sizeof name, "power-plant 1/%.0f", 1 / scale);
+    measure({name, generate_delta_scene(power_plant_scene(scale))}, options, csv);
+  }
+  for (const auto& file : options.files) measure(read(file), options, csv);
+  write_table(options.csv, csv);
+}
+
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Differences between view cells, compressed: bytes and microseconds of each code");
-  Options options;
-  app.add_option("FILES", options.files, "matrices of differences, as vismat deltas writes them");
-  app.add_option("--scale", options.scales,
-                 "also paper 000's power plant, at these shares of its size, commas between")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::Range(1e-4, 1.));
-  app.add_option("--orders", options.orders, "of the columns")
-      ->check(CLI::IsMember({"random", "printed", "best"}))
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  app.add_option("--codes", options.codes, "row codecs")->delimiter(',')->allow_extra_args(false);
-  app.add_option("--seconds", options.seconds, "for each time");
-  app.add_option("--csv", options.csv, "written beside the tables");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::string csv =
-        "matrix,rows,columns,ones,differences,order,runs,bitmask_bytes,code,bytes,encode_us,decode_us,decode_"
-        "us_least,decode_us_most\n";
-    for (const double scale : options.scales) {
-      char name[64];
-      std::snprintf(name, sizeof name, "power-plant 1/%.0f", 1 / scale);
-      measure({name, generate_delta_scene(power_plant_scene(scale))}, options, csv);
-    }
-    for (const auto& file : options.files) measure(read(file), options, csv);
-    if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "vlod_tables: %s\n", error.what());
-    return 1;
-  }
+void add_vlod_tables(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("MATRIX", o->files, "Matrices of differences, as vismat deltas writes them");
+  verb.option("--scale", o->scales, "Also the paper's power plant, at these shares of its size")
+      .comma_separated()
+      .between(1e-4, 1.);
+  verb.option("--orders", o->orders, "Of the columns")
+      .one_of({"random", "printed", "best"})
+      .comma_separated();
+  verb.option("--codes", o->codes, "Row codecs").comma_separated();
+  verb.option("--seconds", o->seconds, "For each time");
+  verb.option("--csv", o->csv, "Written beside the tables");
+  verb.runs([o] { run(*o); });
 }
+
+}  // namespace vismat::bench

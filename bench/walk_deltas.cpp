@@ -1,18 +1,14 @@
-// What a viewer loads at each boundary on a walk: ids that appear and vanish, and their bytes by each codec that gives
+// Measures what a viewer loads at each boundary on a walk: ids that appear and vanish, and their bytes by each codec that gives
 // single rows [Chhugani et al. 2005, Figs. 9 and 14].
 //
 // The walk is runtime/level_walk.h's: through the faces' visibility of levels, or through a matrix that knows its cells' boxes
 // and neighbours. The columns are ordered by what appears and vanishes. Both lists of a boundary count. What is seen in each
 // cell on the walk is checked against its row before anything is measured.
-//
-// Measured, 5000 boundaries, the mean by `delimiter`: 50 bytes for 62 ids on artificial-1, 94 for 120 on artificial-2; on
-// levels, whose ids stand in longer runs, 34 for 184 (oa_koth1) and 36 for 285 (ctf_compromise). Bitmaps take 7, 14, 16 and
-// 32 times that, LZW on the same pairs 1.35 to 1.42 times. The largest pair of lists on any of these walks is 175 bytes; the
-// paper, whose models have two orders of magnitude more objects, has less than 750 on average.
-#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
-#include <iostream>
+#include <filesystem>
+#include <memory>
 #include <numeric>
 #include <span>
 #include <stdexcept>
@@ -20,28 +16,28 @@
 #include <utility>
 #include <vector>
 
+#include "bench/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/rows/pairs.h"
 #include "codecs/rows/row_codec.h"
 #include "layout/reordering.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/deltas.h"
 #include "matrix/files/dataset_file.h"
 #include "matrix/files/hdf5_file.h"
-#include "programs/measuring.h"
+#include "programs/csv.h"
+#include "programs/names.h"
 #include "runtime/level_walk.h"
 #include "visibility/levels/level_file.h"
 
+namespace vismat::bench {
 namespace {
-
-using namespace vismat;
 
 struct Options {
   std::vector<std::string> inputs, codecs;
   std::string order = "best";
   std::uint32_t steps = 5000;
   std::uint64_t seed = 1;
-  std::string csv;
+  std::filesystem::path csv;
 };
 
 // Cells with what a walk through them needs.
@@ -55,13 +51,13 @@ Place read_place(const std::string& where) {
   if (!is_hdf5(where)) {
     const Level level = read_level(where);
     if (level.face_ids.empty()) throw std::invalid_argument(where + ": a level without faces");
-    return {bench::level_name(level.name), face_visibility(level), bench::passages(level), level.cell_bounds,
+    return {level_name(level.name), face_visibility(level), bench::passages(level), level.cell_bounds,
             level.face_bounds};
   }
   Dataset data = read_dataset(where);
   if (!data.row_neighbours || data.row_bounds.empty())
     throw std::invalid_argument(where + ": a walk needs the rows' boxes and neighbours");
-  return {bench::name_of(where), std::move(data.matrix), std::move(*data.row_neighbours),
+  return {matrix_name(where), std::move(data.matrix), std::move(*data.row_neighbours),
           std::move(data.row_bounds), std::move(data.column_bounds)};
 }
 
@@ -152,42 +148,33 @@ void run(const Options& options, const std::string& where, std::span<const Codec
   std::printf("\n");
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     const std::uint32_t appears = crossings[i].appears(), vanishes = crossings[i].vanishes();
-    std::string line = bench::csv_line(place.name, options.order, i + 1, way[i + 1], ids[appears],
-                                       ids[vanishes], runs[appears] + runs[vanishes]);
-    for (const auto& of_row : bytes) {
-      line.back() = ',';
-      line += bench::csv_line(of_row[appears] + of_row[vanishes]);
-    }
-    csv += line;
+    csv += csv_values(place.name, options.order, i + 1, way[i + 1], ids[appears], ids[vanishes],
+                      runs[appears] + runs[vanishes]);
+    for (const auto& of_row : bytes) csv += "," + csv_values(of_row[appears] + of_row[vanishes]);
+    csv += '\n';
   }
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app(
-      "What changes at each boundary on a walk through view cells, and its bytes by each codec of rows");
-  Options options;
-  app.add_option("PLACE", options.inputs, "a level, FILE.bsp or FILE.pk3:maps/NAME.bsp; or a matrix, .bsp.h5")
-      ->required();
-  app.add_option("--codec", options.codecs,
-                 "as vismat encode names them; all that give single rows if none is named");
-  app.add_option("--columns", options.order, "order, as vismat order names it")->capture_default_str();
-  app.add_option("--steps", options.steps, "from cell to cell")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--seed", options.seed)->capture_default_str();
-  app.add_option("--csv", options.csv, "a line a step, written beside the table");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    const std::vector<Codec> codecs = chosen_codecs(options.codecs);
+void add_walk_deltas(const Verb& verb) {
+  const auto o = std::make_shared<Options>();
+  verb.option("PLACE", o->inputs, "A level, FILE.bsp or FILE.pk3:maps/NAME.bsp; or a matrix, .bsp.h5")
+      .required();
+  verb.option("--codec", o->codecs,
+              "As vismat encode names them; all that give single rows if none is named");
+  verb.option("--columns", o->order, "Order, as vismat order names it");
+  verb.option("--steps", o->steps, "From cell to cell").positive();
+  verb.option("--seed", o->seed, "Of the walk and of the order");
+  verb.option("--csv", o->csv, "A line a step, written beside the table");
+  verb.runs([o] {
+    const std::vector<Codec> codecs = chosen_codecs(o->codecs);
     std::string csv = "matrix,order,step,cell,appears,vanishes,runs";
     for (const Codec& codec : codecs) csv += "," + std::string(codec.name);
     csv += "\n";
-    for (const std::string& input : options.inputs) run(options, input, codecs, csv);
-    if (!options.csv.empty()) write_file(options.csv, std::as_bytes(std::span(csv)));
-  } catch (const std::exception& error) {
-    std::cerr << "walk_deltas: " << error.what() << '\n';
-    return 1;
-  }
+    for (const std::string& input : o->inputs) run(*o, input, codecs, csv);
+    write_table(o->csv, csv);
+  });
 }
+
+}  // namespace vismat::bench

@@ -1,48 +1,32 @@
-// Tables 1 and 2 of Zach & Karner 2003 for any matrices: its methods and baselines, checked by a round trip before it is
-// timed.
-//
-//   zach_tables --out FOLDER MATRIX.bsp.h5 ...
+// Measures the methods and baselines of Zach & Karner 2003 on any matrices, as in their Tables 1 and 2; each is checked by a round
+// trip before it is timed.
 //
 // Writes FOLDER/zach2003_scenes.csv (Table 1) and FOLDER/zach2003.csv (Table 2 and more), a line a codec and
 // row order. Seconds are medians of up to five runs within two seconds.
-#include <algorithm>
+#include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
-#include <iomanip>
-#include <sstream>
+#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "bench/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/rows/bitmap.h"
 #include "codecs/tree/tree_coding.h"
 #include "layout/orders/greedy_order.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/csv.h"
 #include "programs/measuring.h"
+#include "programs/names.h"
 
+namespace vismat::bench {
 namespace {
 
-using namespace vismat;
-using namespace vismat::bench;
-
-double seconds_of(const auto& work) {
-  const double start = wall_seconds();
-  work();
-  return wall_seconds() - start;
-}
-
-double median_seconds(const auto& work) {
-  std::vector<double> runs;
-  for (double spent = 0; runs.size() < 5 && (runs.size() < 3 || spent < 2); spent += runs.back())
-    runs.push_back(seconds_of(work));
-  std::nth_element(runs.begin(), runs.begin() + runs.size() / 2, runs.end());
-  return runs[runs.size() / 2];
+double median_seconds(const std::function<void()>& work) {
+  return time_passes({.seconds = 2, .most = 5}, work).median;
 }
 
 struct Order {
@@ -95,16 +79,22 @@ Measurement measure(const Codec& codec, const VisibilityMatrix& matrix, const Ob
   return m;
 }
 
+std::string fixed(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
 // One line of Table 1 and, for each codec and row order, one of Table 2; the latter on the terminal too.
 void add_tables(const std::filesystem::path& path, std::string& scenes, std::string& table) {
   Dataset data = read_dataset(path);
   if (data.source.tree && !data.source.columns_are_nodes) data = over_nodes(data);
   if (!data.source.tree)
     throw std::invalid_argument(path.string() + ": has no tree; make one with 'vismat tree --nodes'");
-  const std::string name = name_of(path);
+  const std::string name = matrix_name(path);
   const Shape shape = data.matrix.shape();
   scenes += csv_line(name, shape.rows, shape.columns, data.matrix.density(), data.matrix.ones(),
-                     to_string(data.guarantee), quoted(data.provenance));
+                     to_string(data.guarantee), csv_quoted(data.provenance));
   std::printf("\n%s: %u view cells, %u occludees, average visibility %.1f %%\n", name.c_str(), shape.rows,
               shape.columns, data.matrix.density() * 100);
   std::printf("  %-14s %-11s %12s %8s %10s %10s %9s %9s %9s\n", "method", "cell order", "bytes", "ratio",
@@ -116,43 +106,39 @@ void add_tables(const std::filesystem::path& path, std::string& scenes, std::str
       const Measurement m = measure(codec, order.matrix, *data.source.tree);
       const std::size_t bytes = m.encoded.payload.size(), index_bytes = m.encoded.index.size();
       const double ratio = static_cast<double>(bitmap_size(shape)) / static_cast<double>(bytes);
-      std::ostringstream run, entropy;  // empty for methods that code no lengths
-      if (m.lengths.lengths > 0) {
-        run << std::fixed << std::setprecision(2) << m.average_run();
-        entropy << std::fixed << std::setprecision(0) << m.lengths.entropy_bytes;
-      }
+      const bool lengths = m.lengths.lengths > 0;  // of methods that code any
+      const std::string run = lengths ? fixed(m.average_run(), 2) : "",
+                        entropy = lengths ? fixed(m.lengths.entropy_bytes, 0) : "";
       std::printf("  %-14s %-11s %12zu %7.2fx %10zu %10ju %9s %9.1f %9.1f\n", codec.name.data(),
-                  order.name.c_str(), bytes, ratio, index_bytes, std::uintmax_t{order_bytes},
-                  run.str().c_str(), m.encode_s * 1e3, m.decode_s * 1e3);
+                  order.name.c_str(), bytes, ratio, index_bytes, std::uintmax_t{order_bytes}, run.c_str(),
+                  m.encode_s * 1e3, m.decode_s * 1e3);
       std::fflush(stdout);
       table += csv_line(name, shape.rows, shape.columns, data.matrix.ones(), order.name, codec.name, bytes,
-                        ratio, quoted(codec.contents), index_bytes, order_bytes, run.str(), m.encode_s,
-                        m.decode_s, order.seconds, entropy.str());
+                        ratio, csv_quoted(codec.contents), index_bytes, order_bytes, run, m.encode_s,
+                        m.decode_s, order.seconds, entropy);
     }
   }
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app("Tables 1 and 2 of Zach & Karner 2003 for any matrices over a tree.");
-  std::filesystem::path out = "out";
-  std::vector<std::filesystem::path> files;
-  app.add_option("--out", out, "Folder for zach2003.csv and zach2003_scenes.csv")->capture_default_str();
-  app.add_option("matrices", files, "Matrix files with a tree")->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
+void add_zach_tables(const Verb& verb) {
+  struct Options {
+    std::filesystem::path out = "out";
+    std::vector<std::filesystem::path> files;
+  };
+  const auto o = std::make_shared<Options>();
+  verb.option("--out", o->out, "Folder for zach2003.csv and zach2003_scenes.csv");
+  verb.option("MATRIX", o->files, "Matrix files with a tree").required();
+  verb.runs([o] {
     std::string scenes = "matrix,view_cells,occludees,average_visibility,ones,guarantee,provenance\n";
     std::string table =
         "matrix,rows,columns,ones,order,codec,bytes,ratio,payload_contains,index_bytes,order_bytes,average_"
-        "run,encode_s,"
-        "decode_s,seconds_order,entropy_bytes\n";
-    for (const auto& file : files) add_tables(file, scenes, table);
-    write_file(out / "zach2003_scenes.csv", std::as_bytes(std::span(scenes)));
-    write_file(out / "zach2003.csv", std::as_bytes(std::span(table)));
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "zach_tables: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+        "run,encode_s,decode_s,seconds_order,entropy_bytes\n";
+    for (const auto& file : o->files) add_tables(file, scenes, table);
+    write_table(o->out / "zach2003_scenes.csv", scenes);
+    write_table(o->out / "zach2003.csv", table);
+  });
 }
+
+}  // namespace vismat::bench

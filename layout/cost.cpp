@@ -27,4 +27,14 @@ std::uint64_t count_runs(const VisibilityMatrix& matrix, const Permutation& colu
   return runs;
 }
 
+double mean_runs_of_random(const VisibilityMatrix& matrix) {
+  const double n = matrix.shape().columns;
+  double sum = 0;
+  for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
+    const auto k = static_cast<double>(matrix.row(r).size());
+    if (k > 0) sum += k * (n - k + 1) / n;
+  }
+  return sum;
+}
+
 }  // namespace vismat

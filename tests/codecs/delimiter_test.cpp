@@ -1,5 +1,6 @@
 // The delimiter code: its rules, the proof that it can be read, and the fast decoder beside the paper's pass bit by bit.
 #include "codecs/integer_codes/delimiter.h"
+#include "codecs/integer_codes/delimiter_reference.h"
 
 #include <gtest/gtest.h>
 
@@ -12,14 +13,13 @@
 #include <unordered_map>
 
 #include "matrix/base/random.h"
-#include "tests/codecs/delimiter_reference.h"
 
 namespace vismat {
 namespace {
 
 using Numbers = std::vector<std::uint32_t>;
-using test::bytes_of_bits;
-using test::delimited_by_rules;
+using reference::bytes_of_bits;
+using reference::delimited_by_rules;
 
 std::vector<std::byte> encoded(const Numbers& numbers) {
   std::vector<std::byte> bytes;
@@ -58,7 +58,7 @@ std::optional<Numbers> fast(std::span<const std::byte> bytes, bool by_extraction
 std::optional<Numbers> plain(std::span<const std::byte> bytes) {
   std::vector<std::uint64_t> numbers;
   try {
-    test::read_delimited_by_bits(bytes, numbers);
+    reference::read_delimited_by_bits(bytes, numbers);
   } catch (const FormatError&) {
     return std::nullopt;
   }

@@ -7,14 +7,14 @@
 #include <optional>
 
 #include "codecs/integer_codes/delimiter.h"
-#include "tests/codecs/delimiter_reference.h"
+#include "codecs/integer_codes/delimiter_reference.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace vismat;
   const auto bytes = std::as_bytes(std::span(data, size));
   std::optional<std::vector<std::uint64_t>> plain(std::in_place);
   try {
-    test::read_delimited_by_bits(bytes, *plain);
+    reference::read_delimited_by_bits(bytes, *plain);
   } catch (const FormatError&) {
     plain.reset();
   }

@@ -1,4 +1,4 @@
-// The delimiter code, plain and slow: what codecs/integer_codes/delimiter.h is judged by.
+// The delimiter code, slow and obvious: what tests and benchmarks judge codecs/integer_codes/delimiter.h by.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 #include "matrix/base/byte_reader.h"
 
-namespace vismat::test {
+namespace vismat::reference {
 
 /// The code of one number as the rules have it, a character a bit. `literal`: as printed, where the number 1 stays 1.
 inline std::string delimited_by_rules(std::uint32_t number, bool literal = false) {
@@ -117,4 +117,4 @@ inline void read_delimited_by_bits(std::span<const std::byte> bytes, std::vector
   }
 }
 
-}  // namespace vismat::test
+}  // namespace vismat::reference

@@ -1,0 +1,14 @@
+// The names that matrices and levels have in tables.
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace vismat {
+
+/// "artificial-1" of "out/data/artificial-1.bsp.h5", "small" of "small.mtx".
+std::string matrix_name(const std::filesystem::path& file);
+
+/// "oa_koth1" of "pak1-maps.pk3:maps/oa_koth1.bsp"; "E1M1" of "doom.wad:E1M1".
+std::string level_name(const std::string& where);
+
+}  // namespace vismat
