@@ -118,7 +118,7 @@ void run(const Options& options, const std::string& where, std::string& csv) {
                     static_cast<unsigned long long>(count.reads), static_cast<double>(count.bytes_read) / 1e6,
                     static_cast<double>(count.bytes_wanted) / 1e6, fewer(count.reads, reads_of("random")),
                     fewer(count.reads, reads_of("identity")));
-        csv += csv_line(level_name(level.name), options.layouts[i], page, ahead, options.steps, count.reads,
+        csv += csv_line(scene_name(level.name), options.layouts[i], page, ahead, options.steps, count.reads,
                         count.bytes_read, count.bytes_wanted, total, held, runs[i]);
       }
     }

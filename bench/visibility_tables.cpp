@@ -130,7 +130,7 @@ void run(const Options& options) {
     const double busy = processor_seconds();
     const Shadows shadows(file.scene, find_occluders(file.scene));
     const double preparing_ms = 1e3 * (processor_seconds() - busy);
-    Study study(level_name(name), file.scene, places_of(file.cells, options.places, options.each));
+    Study study(scene_name(name), file.scene, places_of(file.cells, options.places, options.each));
     add_shadows(study, shadows, preparing_ms);
     add_rays(study, shadows, preparing_ms, options.long_runs);
     const std::string lines = study.lines(wrong);

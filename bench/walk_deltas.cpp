@@ -51,7 +51,7 @@ Place read_place(const std::string& where) {
   if (!is_hdf5(where)) {
     const Level level = read_level(where);
     if (level.face_ids.empty()) throw std::invalid_argument(where + ": a level without faces");
-    return {level_name(level.name), face_visibility(level), bench::passages(level), level.cell_bounds,
+    return {scene_name(level.name), face_visibility(level), bench::passages(level), level.cell_bounds,
             level.face_bounds};
   }
   Dataset data = read_dataset(where);

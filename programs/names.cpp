@@ -8,7 +8,7 @@ std::string matrix_name(const std::filesystem::path& file) {
   return end == std::string::npos ? file.stem().string() : name.substr(0, end);
 }
 
-std::string level_name(const std::string& where) {
+std::string scene_name(const std::string& where) {
   return std::filesystem::path(where.substr(where.rfind(':') + 1)).stem();
 }
 

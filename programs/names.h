@@ -1,4 +1,4 @@
-// The names that matrices and levels have in tables.
+// The names that matrices, levels and other scenes have in tables.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -8,7 +8,7 @@ namespace vismat {
 /// "artificial-1" of "out/data/artificial-1.bsp.h5", "small" of "small.mtx".
 std::string matrix_name(const std::filesystem::path& file);
 
-/// "oa_koth1" of "pak1-maps.pk3:maps/oa_koth1.bsp"; "E1M1" of "doom.wad:E1M1".
-std::string level_name(const std::string& where);
+/// "oa_koth1" of "pak1-maps.pk3:maps/oa_koth1.bsp"; "E1M1" of "doom.wad:E1M1"; "plant" of itself.
+std::string scene_name(const std::string& where);
 
 }  // namespace vismat
