@@ -226,6 +226,8 @@ void run() {
 }  // namespace
 
 void add_delimiter_speed(const Verb& verb) {
+  verb.note(
+      "Other arguments are Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
   verb.runs_with_rest([](const std::vector<std::string>& arguments) {
     start_google_benchmark(arguments, 0, "bench delimiter-speed");
     run();

@@ -105,6 +105,8 @@ void run() {
 
 void add_import_levels(const Verb& verb) {
   verb.note("The levels are those under $VISMAT_CACHE, or cache/levels, as ./fetch-levels leaves them.");
+  verb.note(
+      "Other arguments are Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
   verb.runs_with_rest([](const std::vector<std::string>& arguments) {
     start_google_benchmark(arguments, 0, "bench import-levels");
     run();
