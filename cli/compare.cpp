@@ -1,12 +1,11 @@
 // vismat compare: measures every codec's size and speed on every matrix.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -21,8 +20,10 @@
 #include "layout/best_order.h"
 #include "layout/orders/random_order.h"
 #include "layout/points/distinct_columns.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/csv.h"
+#include "programs/measuring.h"
+#include "programs/names.h"
 #include "programs/options.h"
 #include "programs/prepared_for.h"
 #include "programs/progress.h"
@@ -52,27 +53,9 @@ struct Figures {
   std::optional<double> row_p50_us, row_p99_us;
 };
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double at_share(std::vector<double>& values, double share) {
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
-
 // The median of at least one run and of as many as begin within `seconds`.
-template <typename Work>
-double median_seconds(double seconds, const Work& work) {
-  std::vector<double> times;
-  for (const double begin = now(); times.empty() || now() - begin < seconds;) {
-    const double start = now();
-    work();
-    times.push_back(now() - start);
-  }
-  return at_share(times, .5);
+double median_seconds(double seconds, const std::function<void()>& work) {
+  return time_passes({.seconds = seconds, .least = 1}, work).median;
 }
 
 double seconds_of_all_rows(const RowReader& reader, double seconds) {
@@ -89,19 +72,16 @@ void measure_rows(const RowReader& reader, double seconds, Figures& figures) {
   RowBuffer<std::uint32_t> buffer;
   const auto shuffled = random_order(rows, 1).old_of_new();
   std::vector<double> clock(1001), times;
-  for (double& t : clock) {
-    const double start = now();
-    t = now() - start;
+  for (double& t : clock) t = seconds_of([] {});
+  const double clock_s = median(clock);
+  const double begin = wall_seconds();
+  for (std::size_t i = 0; times.size() < 20 || (times.size() < 100000 && wall_seconds() - begin < seconds);
+       ++i) {
+    const double row_s = seconds_of([&] { reader.ids(shuffled[i % rows], buffer); });
+    times.push_back(std::max(0., row_s - clock_s));
   }
-  const double clock_s = at_share(clock, .5);
-  const double begin = now();
-  for (std::size_t i = 0; times.size() < 20 || (times.size() < 100000 && now() - begin < seconds); ++i) {
-    const double start = now();
-    reader.ids(shuffled[i % rows], buffer);
-    times.push_back(std::max(0., now() - start - clock_s));
-  }
-  figures.row_p50_us = 1e6 * at_share(times, .5);
-  figures.row_p99_us = 1e6 * at_share(times, .99);
+  figures.row_p50_us = 1e6 * median(times);
+  figures.row_p99_us = 1e6 * quantile(times, .99);
 }
 
 Figures measure(const Codec& codec, const Dataset& data, double seconds) {
@@ -126,15 +106,9 @@ Figures measure(const Codec& codec, const Dataset& data, double seconds) {
   return figures;
 }
 
-std::string name_of(const std::filesystem::path& file) {
-  const std::string name = file.filename();
-  const std::size_t end = name.find(".bsp.h5");
-  return end == std::string::npos ? file.stem().string() : name.substr(0, end);
-}
-
 Subject subject_of(const std::filesystem::path& file, const std::string& order, bool distinct) {
   Subject s;
-  s.matrix = name_of(file);
+  s.matrix = matrix_name(file);
   s.order = order;
   s.data = read_dataset(file);
   const auto [rows, columns] = s.data.matrix.shape();
@@ -200,23 +174,19 @@ void print(const Subject& s, const Codec& codec, const Figures& f) {
   std::fflush(stdout);
 }
 
-void write_csv_line(std::ostringstream& csv, const Subject& s, const Codec& codec, const Figures& f) {
+std::string line_of(const Subject& s, const Codec& codec, const Figures& f) {
   const Shape shape = s.data.matrix.shape();
-  csv << '"' << s.matrix << "\"," << shape.rows << ',' << shape.columns << ',' << s.data.matrix.ones() << ','
-      << s.order << ',' << codec.name << ',' << to_string(codec.origin) << ',' << f.bytes << ','
-      << s.permutation_bytes << ',' << f.encode_s << ',' << f.decode_s << ',';
-  if (f.row_p50_us)
-    csv << *f.row_p50_us << ',' << *f.row_p99_us << '\n';
-  else
-    csv << ",\n";
+  const auto text = [](const std::optional<double>& us) { return us ? CsvValue(*us) : CsvValue(""); };
+  return csv_line(csv_quoted(s.matrix), shape.rows, shape.columns, s.data.matrix.ones(), s.order, codec.name,
+                  to_string(codec.origin), f.bytes, s.permutation_bytes, f.encode_s, f.decode_s,
+                  text(f.row_p50_us), text(f.row_p99_us));
 }
 
 void run(const Options& options) {
   const auto codecs = chosen_codecs(options.codecs);
-  std::ostringstream csv;
-  csv.precision(6);
-  csv << "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,"
-         "row_p99_us\n";
+  std::string csv =
+      "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,"
+      "row_p99_us\n";
   for (const auto& file : options.files) {
     for (const std::string& order : options.orders) {
       const Subject s = subject_of(file, order, options.distinct);
@@ -228,13 +198,11 @@ void run(const Options& options) {
         if (!obstacle(codec, s.data).empty()) continue;
         const Figures figures = measure(codec, prepared(s, codec), options.seconds);
         print(s, codec, figures);
-        write_csv_line(csv, s, codec, figures);
+        csv += line_of(s, codec, figures);
       }
     }
   }
-  if (options.csv.empty()) return;
-  const std::string text = csv.str();
-  write_file(options.csv, std::as_bytes(std::span(text)));
+  write_table(options.csv, csv);
 }
 
 }  // namespace

@@ -1,8 +1,5 @@
 // vismat order: reorders a matrix's rows, columns or both, and tells how far the order may be from the best.
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -20,6 +17,7 @@
 #include "layout/reordering.h"
 #include "matrix/base/atomic_file.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/measuring.h"
 #include "programs/options.h"
 #include "programs/progress.h"
 
@@ -49,7 +47,7 @@ struct Result {
 
 Result order_side(const VisibilityMatrix& matrix, const std::string& method, const Dataset& data, bool rows,
                   const Options& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = wall_seconds();
   Result result;
   if (method == "neighbours") {
     if (!rows || !data.row_neighbours) {
@@ -62,7 +60,7 @@ Result order_side(const VisibilityMatrix& matrix, const std::string& method, con
     side.column_bounds = rows ? data.row_bounds : data.column_bounds;
     result.order = find_reordering(method).order_columns(matrix, side);
   }
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = wall_seconds() - start;
   result.runs_before = count_runs(matrix);
   result.runs_after = count_runs(matrix, result.order);
   if (options.bound != "none") {
@@ -93,7 +91,7 @@ Need memory_needed(const VisibilityMatrix& m, const std::string& method) {
 
 // As order_side, with the transpose in a file beside the output and the matrix given up meanwhile.
 Result order_out_of_core(Dataset& data, const Options& options, std::uint64_t needed) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = wall_seconds();
   Result result;
   result.runs_before = count_runs(data.matrix);
   const auto folder = std::filesystem::absolute(options.out).parent_path();
@@ -104,7 +102,7 @@ Result order_out_of_core(Dataset& data, const Options& options, std::uint64_t ne
       points, {.seed = options.order.seed, .seconds = options.order.seconds, .stages = show_progress});
   result.runs_after = runs_of_visits(points, visits);
   result.order = points.order_of_columns(visits);
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = wall_seconds() - start;
   if (result.runs_after > result.runs_before) {
     result.order = Permutation::identity(result.order.size());
     result.runs_after = result.runs_before;
@@ -130,13 +128,11 @@ void print(const char* side, const Result& r) {
 }
 
 nlohmann::json report(const Result& r) {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
   nlohmann::json json = {{"runs_before", r.runs_before},
                          {"runs_after", r.runs_after},
                          {"bound", nullptr},
                          {"seconds", r.seconds},
-                         {"peak_bytes", usage.ru_maxrss * 1024}};
+                         {"peak_bytes", peak_bytes()}};
   if (r.bound) json["bound"] = *r.bound;
   return json;
 }
