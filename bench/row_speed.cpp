@@ -234,10 +234,10 @@ void run(const VisibilityMatrix& matrix) {
 }  // namespace
 
 void add_row_speed(const Verb& verb) {
-  verb.example("bench row-speed koth1.bsp.h5 --benchmark_filter=delimiter");
   verb.note(
       "MATRIX.bsp.h5 is the matrix; without one, differences like the paper's are made. Other arguments are "
       "Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
+  verb.example("bench row-speed koth1.bsp.h5 --benchmark_filter=delimiter");
   verb.runs_with_rest([](std::vector<std::string> arguments) {
     const std::string first[] = {"--benchmark_repetitions=7", "--benchmark_report_aggregates_only=true"};
     arguments.insert(arguments.begin(), std::begin(first), std::end(first));

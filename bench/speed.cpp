@@ -64,10 +64,10 @@ void run(Dataset data) {
 }  // namespace
 
 void add_speed(const Verb& verb) {
-  verb.example("bench speed koth1.bsp.h5 --benchmark_filter=decode");
   verb.note(
       "MATRIX.bsp.h5 is the matrix. Other arguments are Google Benchmark's: --benchmark_filter=REGEX, "
       "--benchmark_repetitions=9, ...");
+  verb.example("bench speed koth1.bsp.h5 --benchmark_filter=decode");
   verb.runs_with_rest([](const std::vector<std::string>& arguments) {
     const char* usage = "bench speed MATRIX.bsp.h5";
     const auto files = start_google_benchmark(arguments, 1, usage);
