@@ -84,8 +84,8 @@ void run(const Options& options, const std::string& where, std::string& csv) {
   if (level.face_ids.empty()) throw std::invalid_argument(where + ": a level without faces");
   const VisibilityMatrix visible = face_visibility(level);
   const auto bytes = face_bytes(level.face_scene, options.detail);
-  const VisibilityMatrix passages = bench::passages(level);
-  const auto steps = bench::walk_cells(passages, level.cell_bounds, options.steps, options.seed);
+  const VisibilityMatrix passages = passages_of(level);
+  const auto steps = walk_cells(passages, level.cell_bounds, options.steps, options.seed);
   const VisibilityMatrix deltas = appearing(visible, passages);
   const VisibilityMatrix& ordered_by = options.whole_sets ? visible : deltas;
 
@@ -127,7 +127,7 @@ void run(const Options& options, const std::string& where, std::string& csv) {
                     static_cast<unsigned long long>(count.reads), static_cast<double>(count.bytes_read) / 1e6,
                     static_cast<double>(count.bytes_wanted) / 1e6, fewer(count.reads, reads_of("random")),
                     fewer(count.reads, reads_of("identity")));
-        csv += bench::csv_line(bench::level_name(level.name), options.layouts[i], page, ahead, options.steps,
+        csv += bench::csv_line(level_name(level.name), options.layouts[i], page, ahead, options.steps,
                                count.reads, count.bytes_read, count.bytes_wanted, total, held, runs[i]);
       }
     }
