@@ -13,8 +13,8 @@ namespace vismat {
 void take_marked(std::span<const std::uint32_t> whole, std::span<const std::uint8_t> bits,
                  std::vector<std::uint32_t>& part);
 
-/// What is wrong with so many bits of a node; empty where nothing is. A bit of one node takes a byte of memory. What a tree and a shape claim may be 2^64; a part's bytes back 2^16 each, and
-/// 2^28 go without. An encoder makes none that is refused.
+/// What is wrong with so many bits of a node; empty where nothing is. A bit of one node takes a byte of memory. What a tree and a
+/// shape claim may be 2^64; a part's bytes back 2^16 each, and 2^28 go without. An encoder makes none that is refused.
 std::string too_many_bits(std::size_t children, std::size_t members, std::size_t part_bytes);
 
 /// 0, 1, ... up to the universe.
