@@ -75,8 +75,8 @@ void run(const Options& options, const std::string& where, std::string& csv) {
   if (level.face_ids.empty()) throw std::invalid_argument(where + ": a level without faces");
   const VisibilityMatrix visible = face_visibility(level);
   const auto bytes = face_bytes(level.face_scene, options.detail);
-  const VisibilityMatrix passages = bench::passages(level);
-  const auto steps = bench::walk_cells(passages, level.cell_bounds, options.steps, options.seed);
+  const VisibilityMatrix passages = passages_of(level);
+  const auto steps = walk_cells(passages, level.cell_bounds, options.steps, options.seed);
   const VisibilityMatrix deltas = appearing(visible, passages);
   const VisibilityMatrix& ordered_by = options.whole_sets ? visible : deltas;
 

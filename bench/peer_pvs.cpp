@@ -28,7 +28,6 @@
 #include "matrix/base/random.h"
 #include "programs/csv.h"
 #include "programs/progress.h"
-#include "visibility/geometry/growing_box.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/rays/ray_caster.h"
 
@@ -171,17 +170,15 @@ Counts compare(const std::string& where, const Options& options) {
     const auto row = level.cells.row(c);
     counts.listed -= std::binary_search(row.begin(), row.end(), c);
   }
-  GrowingBox world;
+  Box world = empty_box;
   for (const Box& box : level.cell_bounds) {
-    if (box == Box{}) continue;
-    world.add(glm::vec3(box.low[0], box.low[1], box.low[2]));
-    world.add(glm::vec3(box.high[0], box.high[1], box.high[2]));
+    if (box != Box{}) world = box_around(world, box);
   }
   std::vector<std::map<std::int32_t, std::pair<Cause, Ray>>> seen(counts.clusters);
   std::vector<std::uint64_t> rays(counts.clusters);
   parallel_for(counts.clusters, options.threads, [&](std::uint64_t c) {
     const auto cluster = static_cast<std::uint32_t>(c);
-    seen[c] = look_from(level, world.box(), caster, options.slit * metres_per_level_unit, cluster,
+    seen[c] = look_from(level, zero_if_empty(world), caster, options.slit * metres_per_level_unit, cluster,
                         options.packets, Random(options.seed, c), rays[c]);
   });
   for (std::uint32_t c = 0; c < counts.clusters; ++c) {

@@ -26,6 +26,7 @@
 #include "matrix/files/hdf5_file.h"
 #include "programs/csv.h"
 #include "programs/names.h"
+#include "runtime/difference_walk.h"
 #include "runtime/level_walk.h"
 #include "visibility/levels/level_file.h"
 
@@ -51,7 +52,7 @@ Place read_place(const std::string& where) {
   if (!is_hdf5(where)) {
     const Level level = read_level(where);
     if (level.face_ids.empty()) throw std::invalid_argument(where + ": a level without faces");
-    return {scene_name(level.name), face_visibility(level), bench::passages(level), level.cell_bounds,
+    return {scene_name(level.name), face_visibility(level), passages_of(level), level.cell_bounds,
             level.face_bounds};
   }
   Dataset data = read_dataset(where);
@@ -59,25 +60,6 @@ Place read_place(const std::string& where) {
     throw std::invalid_argument(where + ": a walk needs the rows' boxes and neighbours");
   return {matrix_name(where), std::move(data.matrix), std::move(*data.row_neighbours),
           std::move(data.row_bounds), std::move(data.column_bounds)};
-}
-
-// The boundaries that lead from cell to cell, each seen to lead to the right row.
-std::vector<Crossing> crossings_of(const Deltas& deltas, const VisibilityMatrix& cells,
-                                   std::span<const std::uint32_t> way) {
-  const BoundaryMap map(deltas.boundaries);
-  std::vector<std::uint32_t> visible(cells.row(way[0]).begin(), cells.row(way[0]).end()), next;
-  std::vector<Crossing> crossings;
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    const Crossing crossing = map.crossing(way[i - 1], way[i]).value();
-    const auto appears = deltas.lists.row(crossing.appears());
-    next.resize(visible.size() + appears.size());
-    next.resize(cross(visible, appears, deltas.lists.row(crossing.vanishes()), next));
-    visible.swap(next);
-    if (!std::ranges::equal(visible, cells.row(way[i])))
-      throw std::logic_error("a boundary leads to another row");
-    crossings.push_back(crossing);
-  }
-  return crossings;
 }
 
 // Of each row; where rows share their bytes, all of these.
@@ -114,7 +96,7 @@ void print(const std::string& what, std::vector<std::uint64_t> numbers) {
 
 void run(const Options& options, const std::string& where, std::span<const Codec> codecs, std::string& csv) {
   const Place place = read_place(where);
-  const auto way = bench::walk_cells(place.passages, place.cell_boxes, options.steps, options.seed);
+  const auto way = walk_cells(place.passages, place.cell_boxes, options.steps, options.seed);
   Deltas deltas = deltas_of(place.cells, place.passages);
   const auto crossings = crossings_of(deltas, place.cells, way);
   const Permutation columns =

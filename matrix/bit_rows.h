@@ -1,4 +1,4 @@
-// A dense bit matrix whose rows start on 64-bit words: for popcounts and Hamming distances.
+// A dense bit matrix whose rows start on 64-bit words, for popcounts and Hamming distances.
 #pragma once
 #include <cstdint>
 #include <span>

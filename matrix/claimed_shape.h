@@ -1,4 +1,4 @@
-// How large a shape a file may claim without bytes to back it.
+// Checks how large a shape a file claims without bytes that back it.
 #pragma once
 #include <cstdint>
 #include <limits>

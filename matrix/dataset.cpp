@@ -1,9 +1,7 @@
 #include "matrix/dataset.h"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
-#include <limits>
 #include <stdexcept>
 
 namespace vismat {
@@ -11,28 +9,6 @@ namespace {
 
 constexpr std::array<std::string_view, 4> guarantee_names = {"unknown", "exact", "conservative",
                                                              "aggressive"};
-
-// The least box around each node's objects; [0, 0] where there are none.
-std::vector<Box> node_bounds(const ObjectTree& tree, const std::vector<Box>& of_objects) {
-  if (of_objects.empty()) return {};
-  std::vector<std::optional<Box>> bounds(tree.size());
-  const auto join = [](std::optional<Box>& whole, const Box& part) {
-    if (!whole) whole = part;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      whole->low[axis] = std::min(whole->low[axis], part.low[axis]);
-      whole->high[axis] = std::max(whole->high[axis], part.high[axis]);
-    }
-  };
-  for (std::uint32_t node = tree.size(); node-- > 0;) {  // children before their parents
-    const std::uint32_t object = tree.object_of_node()[node];
-    if (object != ObjectTree::none) join(bounds[node], of_objects[object]);
-    if (node > 0 && bounds[node]) join(bounds[tree.parent_of_node()[node]], *bounds[node]);
-  }
-  std::vector<Box> result;
-  result.reserve(bounds.size());
-  for (const auto& box : bounds) result.push_back(box.value_or(Box{}));
-  return result;
-}
 
 std::vector<Box> moved(const std::vector<Box>& boxes, const Permutation& order) {
   std::vector<Box> result(boxes.size());
@@ -43,14 +19,10 @@ std::vector<Box> moved(const std::vector<Box>& boxes, const Permutation& order) 
 // Boxes around each group's.
 std::vector<Box> merged_boxes(const std::vector<Box>& boxes, const Partition& groups) {
   if (boxes.empty()) return {};
-  constexpr float far = std::numeric_limits<float>::infinity();
-  std::vector<Box> result(groups.groups(), {{far, far, far}, {-far, -far, -far}});
+  std::vector<Box> result(groups.groups(), empty_box);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     Box& whole = result[groups.group_of_member()[i]];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      whole.low[axis] = std::min(whole.low[axis], boxes[i].low[axis]);
-      whole.high[axis] = std::max(whole.high[axis], boxes[i].high[axis]);
-    }
+    whole = box_around(whole, boxes[i]);
   }
   return result;
 }
@@ -93,7 +65,8 @@ Dataset over_nodes(const Dataset& objects) {
   nodes.columns_are = "node";
   nodes.source = over_nodes(std::move(nodes.source));
   drop_entries(nodes);
-  nodes.column_bounds = node_bounds(*objects.source.tree, objects.column_bounds);
+  if (!objects.column_bounds.empty())
+    nodes.column_bounds = node_bounds(*objects.source.tree, objects.column_bounds);
   return nodes;
 }
 

@@ -1,5 +1,5 @@
-// A visibility matrix with all that is known of it: what the rows and columns are, where it came from, how far it
-// can be trusted, and the geometry that goes with it. What a `.bsp.h5` file holds.
+// A visibility matrix with all that is known of it, which is what a `.bsp.h5` file holds: what the rows and columns are, where
+// the matrix came from, how far it can be trusted, and the geometry that goes with it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace vismat {
 
-/// exact: what is listed is what is visible. conservative: may list hidden objects, misses none. aggressive: may
-/// miss, never invents.
+/// exact: lists what is visible and nothing else. conservative: may list hidden objects, and misses no visible one.
+/// aggressive: may miss visible objects, and lists no hidden one.
 enum class Guarantee { unknown, exact, conservative, aggressive };
 std::string_view to_string(Guarantee guarantee);
 Guarantee guarantee_from_string(

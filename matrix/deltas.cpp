@@ -9,12 +9,10 @@
 #include <string>
 #include <utility>
 
+#include "matrix/base/union_find.h"
+
 namespace vismat {
 namespace {
-
-std::string name(std::uint32_t cell) {
-  return cell == Boundary::outside ? "outside" : "cell " + std::to_string(cell);
-}
 
 // Outside comes before all cells.
 std::uint32_t rank(std::uint32_t cell) {
@@ -22,8 +20,8 @@ std::uint32_t rank(std::uint32_t cell) {
 }
 
 [[noreturn]] void refuse(std::size_t boundary, const Boundary& b, const std::string& what) {
-  throw std::invalid_argument("boundary " + std::to_string(boundary) + ", " + name(b.from) + " to " +
-                              name(b.to) + ": " + what);
+  throw std::invalid_argument("boundary " + std::to_string(boundary) + ", " + cell_name(b.from) + " to " +
+                              cell_name(b.to) + ": " + what);
 }
 
 void check_order(std::span<const Boundary> boundaries) {
@@ -70,13 +68,6 @@ std::vector<Boundary> ways_in(const BoundaryMap& map) {
   return ways;
 }
 
-void check_lists(const Deltas& deltas) {
-  if (deltas.lists.shape().rows != 2 * std::uint64_t{deltas.boundaries.size()}) {
-    throw std::invalid_argument(std::to_string(deltas.boundaries.size()) + " boundaries, but " +
-                                std::to_string(deltas.lists.shape().rows) + " lists; each has two");
-  }
-}
-
 void check_neighbours(const VisibilityMatrix& neighbours, std::uint32_t rows) {
   const Shape shape = neighbours.shape();
   if (shape != Shape{rows, rows}) {
@@ -94,22 +85,13 @@ void check_neighbours(const VisibilityMatrix& neighbours, std::uint32_t rows) {
 
 std::vector<Boundary> boundaries_between(const VisibilityMatrix& neighbours) {
   const std::uint32_t cells = neighbours.shape().rows;
+  UnionFind joined(cells);  // a part's root is its least cell
+  for (std::uint32_t cell = 0; cell < cells; ++cell) {
+    for (const std::uint32_t neighbour : neighbours.row(cell)) joined.join_sets(cell, neighbour);
+  }
   std::vector<Boundary> boundaries;
-  std::vector<bool> reached(cells, false);
-  std::vector<std::uint32_t> part;
-  for (std::uint32_t least = 0; least < cells; ++least) {
-    if (reached[least]) continue;
-    boundaries.push_back({Boundary::outside, least});
-    reached[least] = true;
-    for (part = {least}; !part.empty();) {
-      const std::uint32_t cell = part.back();
-      part.pop_back();
-      for (const std::uint32_t neighbour : neighbours.row(cell)) {
-        if (reached[neighbour]) continue;
-        reached[neighbour] = true;
-        part.push_back(neighbour);
-      }
-    }
+  for (std::uint32_t cell = 0; cell < cells; ++cell) {
+    if (joined.find(cell) == cell) boundaries.push_back({Boundary::outside, cell});
   }
   for (std::uint32_t from = 0; from < cells; ++from) {
     for (const std::uint32_t to : neighbours.row(from)) {
@@ -129,6 +111,17 @@ const std::uint32_t* first_not_below(const std::uint32_t* at, const std::uint32_
 }
 
 }  // namespace
+
+std::string cell_name(std::uint32_t cell) {
+  return cell == Boundary::outside ? "outside" : "cell " + std::to_string(cell);
+}
+
+void check_lists(const Deltas& deltas) {
+  if (deltas.lists.shape().rows != 2 * std::uint64_t{deltas.boundaries.size()}) {
+    throw std::invalid_argument(std::to_string(deltas.boundaries.size()) + " boundaries, but " +
+                                std::to_string(deltas.lists.shape().rows) + " lists; each has two");
+  }
+}
 
 Deltas deltas_of(const VisibilityMatrix& cells, const VisibilityMatrix& neighbours) {
   check_neighbours(neighbours, cells.shape().rows);
@@ -274,21 +267,6 @@ std::size_t cross(std::span<const std::uint32_t> visible, std::span<const std::u
     }
   }
   return static_cast<std::size_t>(std::copy(at, end, out) - result.data());
-}
-
-Walk::Walk(const Deltas& deltas) : deltas_(deltas), map_(deltas.boundaries) {
-  check_lists(deltas);
-}
-
-void Walk::go(std::uint32_t to) {
-  const auto crossing = map_.crossing(cell_, to);
-  if (!crossing) throw std::invalid_argument("no boundary leads from " + name(cell_) + " to " + name(to));
-  const auto appears = deltas_.lists.row(crossing->appears()),
-             vanishes = deltas_.lists.row(crossing->vanishes());
-  if (next_.size() < count_ + appears.size()) next_.resize(count_ + appears.size());
-  count_ = cross(visible(), appears, vanishes, next_);
-  visible_.swap(next_);
-  cell_ = to;
 }
 
 }  // namespace vismat

@@ -1,16 +1,17 @@
-// A visibility matrix as what changes between view cells that touch: what paper 000 stores, and a viewer applies.
+// A visibility matrix stored as what changes between view cells that touch, which a viewer applies as it walks.
 #pragma once
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {
 
-/// Between two view cells that touch, from < to. From outside, where nothing is visible, one boundary leads into each part
-/// of the cells that the others join: into its least cell, which then appears whole.
+/// A boundary between two view cells that touch, from < to. From outside, where nothing is visible, one boundary leads into
+/// each part of the cells that the others join: into its least cell, all of whose objects then appear.
 struct Boundary {
   static constexpr std::uint32_t outside = 0xffffffff;
   std::uint32_t from = outside, to = 0;
@@ -26,20 +27,27 @@ struct Deltas {
   bool operator==(const Deltas&) const = default;
 };
 
-/// `neighbours` is rows x rows and symmetric; that a cell is its own neighbour is ignored. Throws
+/// The differences between neighbouring cells. `neighbours` is rows x rows and symmetric; that a cell is its own neighbour is
+/// ignored. Throws
 /// std::invalid_argument, naming a cell, where it is not so. O(the two rows' lengths, summed over the boundaries).
 Deltas deltas_of(const VisibilityMatrix& cells, const VisibilityMatrix& neighbours);
 
-/// The inverse. Throws std::invalid_argument, naming the boundary, where the boundaries are not as Deltas says, are
-/// not half as many as the lists, or where two ways into a cell differ in what is visible from it. Time as deltas_of;
-/// memory: the cells, which may be any times larger than the lists; std::bad_alloc before the first where there is none.
+/// The inverse of deltas_of. Throws std::invalid_argument, naming the boundary, where the boundaries are not as Deltas says, are
+/// not half as many as the lists, or where two ways into a cell differ in what is visible from it. Takes the time of
+/// deltas_of and the memory of the cells, which may be many times larger than the lists; throws std::bad_alloc at the start
+/// where there is none.
 VisibilityMatrix cells_of(const Deltas& deltas);
 
 /// Which cells the boundaries join: cells x cells, symmetric, so that deltas_of(cells_of(d), neighbours_of(d.boundaries)) == d.
 /// Throws as BoundaryMap does.
 VisibilityMatrix neighbours_of(std::span<const Boundary> boundaries);
 
-/// A boundary on the way across it; the rows of Deltas::lists to apply.
+/// Throws std::invalid_argument unless there are two lists a boundary.
+void check_lists(const Deltas& deltas);
+/// "cell 7" or "outside", for messages.
+std::string cell_name(std::uint32_t cell);
+
+/// A boundary that is crossed in one of its two directions, which tells the rows of Deltas::lists to apply.
 struct Crossing {
   std::uint32_t boundary;
   bool back;  // from its `to` to its `from`
@@ -47,7 +55,7 @@ struct Crossing {
   std::uint32_t vanishes() const { return 2 * boundary + !back; }
 };
 
-/// Which cells touch, and by which boundary. O(boundaries) to make; 16 bytes each.
+/// Finds the boundary between two cells, and the neighbours of one. O(boundaries) to make; takes 16 bytes for each.
 class BoundaryMap {
  public:
   /// Throws std::invalid_argument, naming the boundary, unless they are as Deltas says and every cell below the
@@ -55,7 +63,7 @@ class BoundaryMap {
   explicit BoundaryMap(std::span<const Boundary> boundaries);
 
   std::uint32_t cells() const { return static_cast<std::uint32_t>(begin_.size() - 2); }
-  /// Ascending; outside is the last where it is one. The cell may itself be outside.
+  /// Ascending; outside comes last where it is a neighbour. The cell may itself be outside.
   std::span<const std::uint32_t> neighbours(std::uint32_t cell) const;
   /// None where the two do not touch. O(log neighbours).
   std::optional<Crossing> crossing(std::uint32_t from, std::uint32_t to) const;
@@ -71,30 +79,5 @@ class BoundaryMap {
 /// that was visible or vanishes that was not. O((appears + vanishes) log visible) steps besides copying.
 std::size_t cross(std::span<const std::uint32_t> visible, std::span<const std::uint32_t> appears,
                   std::span<const std::uint32_t> vanishes, std::span<std::uint32_t> result);
-
-/// What is visible from one cell after the other [Chhugani et al. 2005, 7]. Allocates nothing once its buffers have
-/// held the longest row.
-class Walk {
- public:
-  /// Begins outside. `deltas` is borrowed; throws std::invalid_argument as BoundaryMap does, and where there are not
-  /// two lists a boundary.
-  explicit Walk(const Deltas& deltas);
-  explicit Walk(Deltas&&) = delete;
-
-  std::uint32_t cell() const { return cell_; }
-  std::span<const std::uint32_t> visible() const {
-    return std::span(visible_).first(count_);
-  }  // until the next go
-  const BoundaryMap& map() const { return map_; }
-  /// Throws std::invalid_argument and stays where it is, if no boundary leads to `to` or its lists do not fit.
-  void go(std::uint32_t to);
-
- private:
-  const Deltas& deltas_;
-  BoundaryMap map_;
-  std::uint32_t cell_ = Boundary::outside;
-  std::vector<std::uint32_t> visible_, next_;  // as long as the longest row so far
-  std::size_t count_ = 0;
-};
 
 }  // namespace vismat

@@ -1,4 +1,4 @@
-// Seeded synthetic matrices in the likeness of large scenes, at the size of the papers'.
+// Generates seeded synthetic matrices that resemble those of large scenes, at the sizes that the papers have.
 #pragma once
 #include <cstdint>
 
@@ -25,9 +25,9 @@ struct DeltaSceneOptions {
 /// above .5, ones_per_column is above 0 and there is a site.
 VisibilityMatrix generate_delta_scene(const DeltaSceneOptions& options, unsigned threads = 0);
 
-/// The two scenes of paper 000, section 6.1, smaller by `scale` in (0, 1]: so many times fewer boundaries,
+/// The two scenes of Chhugani et al. 2005, section 6.1, smaller by `scale` in (0, 1]: so many times fewer boundaries,
 /// objects and sites, and, as the rim of a region grows like the root of its area, sqrt(scale) of the ones a
-/// column. Calibrated as the source tells. `harder` makes a less redundant one.
+/// column. The source file tells how they were calibrated. `harder` makes a less redundant one.
 DeltaSceneOptions power_plant_scene(double scale, bool harder = false);
 DeltaSceneOptions city_scene(double scale, bool harder = false);
 

@@ -1,4 +1,4 @@
-// What a lossy matrix adds to the one that it stands for, row by row; and the proof that it hides nothing of it.
+// Compares a lossy matrix with its original, row by row: what it adds, and whether it hides anything that was visible.
 #pragma once
 #include <cstdint>
 #include <optional>

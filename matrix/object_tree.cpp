@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -83,6 +84,23 @@ bool is_monotone(const VisibilityMatrix& nodes, const ObjectTree& tree) {
     for (const std::uint32_t node : nodes.row(r)) visible[node] = false;
   }
   return true;
+}
+
+std::vector<Box> node_bounds(const ObjectTree& tree, std::span<const Box> of_objects) {
+  assert(of_objects.size() == tree.object_count());
+  std::vector<std::optional<Box>> bounds(tree.size());
+  const auto add = [&](std::uint32_t node, const Box& part) {
+    bounds[node] = bounds[node] ? box_around(*bounds[node], part) : part;
+  };
+  for (std::uint32_t node = tree.size(); node-- > 0;) {  // children before their parents
+    const std::uint32_t object = tree.object_of_node()[node];
+    if (object != ObjectTree::none) add(node, of_objects[object]);
+    if (node > 0 && bounds[node]) add(tree.parent_of_node()[node], *bounds[node]);
+  }
+  std::vector<Box> result;
+  result.reserve(bounds.size());
+  for (const auto& box : bounds) result.push_back(box.value_or(Box{}));
+  return result;
 }
 
 }  // namespace vismat

@@ -1,9 +1,10 @@
-// A hierarchy over objects (columns): quadtree, bounding-volume tree, or a level's own BSP tree.
+// A hierarchy over objects (columns): a quadtree, a bounding volume tree, or a level's own BSP tree.
 #pragma once
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "matrix/box.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {
@@ -40,7 +41,10 @@ class ObjectTree {
 /// tree. Requires tree.object_count() == objects.shape().columns. O(ones * depth).
 VisibilityMatrix nodes_from_objects(const VisibilityMatrix& objects, const ObjectTree& tree);
 
-/// True where every node's column includes each of its children's; needs columns == tree.size().
+/// Whether every node's column includes each of its children's; needs columns == tree.size().
 bool is_monotone(const VisibilityMatrix& nodes, const ObjectTree& tree);
+
+/// The least box around each node's objects; [0, 0] where a node has none. One box an object.
+std::vector<Box> node_bounds(const ObjectTree& tree, std::span<const Box> of_objects);
 
 }  // namespace vismat

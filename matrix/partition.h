@@ -1,4 +1,4 @@
-// Rows or columns in groups: what a lossy merge makes, and the map back to what was merged.
+// A partition of rows or columns into groups, as a lossy merge makes it, with the map back to what was merged.
 #pragma once
 #include <cstdint>
 #include <optional>

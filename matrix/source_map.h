@@ -1,4 +1,4 @@
-// How the rows and columns of a matrix relate to those of the source that it was made from.
+// Tells how the rows and columns of a matrix relate to those of the source that it was made from.
 #pragma once
 #include <cstdint>
 #include <optional>

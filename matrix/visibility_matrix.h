@@ -1,4 +1,4 @@
-// The noun in the middle: which columns (objects) may be seen from which rows (view cells).
+// The visibility matrix, which tells what objects (columns) may be seen from what view cells (rows).
 #pragma once
 #include <cstdint>
 #include <span>

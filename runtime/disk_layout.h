@@ -1,4 +1,4 @@
-// Objects on a disk: where each lies, and what it costs a viewer to fetch those that come into view.
+// Lays objects out on a disk, and counts what a viewer must read of it to fetch those that come into view.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -28,8 +28,8 @@ class DiskLayout {
 
 struct DiskOptions {
   std::uint64_t page_bytes = 4096;  // what the disk reads, it reads in whole pages
-  std::uint64_t read_ahead_pages =
-      0;  // a read goes on over up to so many unwanted pages to the next wanted one
+  /// A read goes on over up to so many unwanted pages to the next wanted one.
+  std::uint64_t read_ahead_pages = 0;
   /// What memory keeps between fetches: nothing if not given; else the objects now in view, whatever they take,
   /// and of the others the last seen ones, as long as all together take no more than this.
   std::optional<std::uint64_t> cache_bytes = {};

@@ -1,108 +1,31 @@
-// A viewer's way from view cell to view cell, through a level or a city.
-//
-// The viewer goes to a cell drawn at random by the shortest way through the passages, between the cells' centres, then to
-// the next: straight on, as one who knows the place, over all of it. Cells that no such way joins to the largest part are
-// left out.
+// A viewer's walk from view cell to view cell, through a level or a city.
 #pragma once
-#include <cmath>
 #include <cstdint>
-#include <functional>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
-#include <queue>
 #include <span>
-#include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "matrix/base/random.h"
-#include "matrix/dataset.h"
+#include "matrix/box.h"
+#include "matrix/visibility_matrix.h"
 #include "visibility/levels/level.h"
 
-namespace vismat::bench {
+namespace vismat {
 
 /// From which cell of a level one may go on to which: they touch, and see one another. Cells x cells, symmetric.
-inline VisibilityMatrix passages(const Level& level) {
-  std::vector<std::vector<std::uint32_t>> to(level.cells.shape().rows);
-  for (std::uint32_t a = 0; a < to.size(); ++a) {
-    for (const std::uint32_t b : level.cell_neighbours.row(a)) {
-      if (level.cells.contains(a, b) && level.cells.contains(b, a)) to[a].push_back(b);
-    }
-  }
-  return VisibilityMatrix::from_rows(to, level.cells.shape().rows);
-}
+VisibilityMatrix passages_of(const Level& level);
 
-inline std::vector<std::uint32_t> largest_part(const VisibilityMatrix& passages) {
-  std::vector<bool> reached(passages.shape().rows, false);
-  std::vector<std::uint32_t> largest;
-  for (std::uint32_t start = 0; start < reached.size(); ++start) {
-    if (reached[start]) continue;
-    std::vector<std::uint32_t> part = {start};
-    reached[start] = true;
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      for (const std::uint32_t next : passages.row(part[i])) {
-        if (reached[next]) continue;
-        reached[next] = true;
-        part.push_back(next);
-      }
-    }
-    if (part.size() > largest.size()) largest = std::move(part);
-  }
-  return largest;
-}
+/// The greatest part of the cells that passages join, the first of equal ones, breadth first from its least cell. O(passages).
+std::vector<std::uint32_t> largest_part(const VisibilityMatrix& passages);
 
-/// The cells after `from` on the shortest way to `goal`, which some way leads to.
-inline std::vector<std::uint32_t> shortest_way(const VisibilityMatrix& passages, std::span<const Box> cells,
-                                               std::uint32_t from, std::uint32_t goal) {
-  const auto centre = [&](std::uint32_t cell) {
-    const Box& box = cells[cell];
-    return .5f *
-           (glm::vec3(box.low[0], box.low[1], box.low[2]) + glm::vec3(box.high[0], box.high[1], box.high[2]));
-  };
-  std::vector<float> length(cells.size(), INFINITY);
-  std::vector<std::uint32_t> next(cells.size(), goal);
-  using Reached = std::pair<float, std::uint32_t>;
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
-  length[goal] = 0;
-  queue.emplace(0.f, goal);
-  while (!queue.empty() && queue.top().second != from) {  // from the goal, so that `next` leads to it
-    const auto [so_far, cell] = queue.top();
-    queue.pop();
-    if (so_far > length[cell]) continue;
-    for (const std::uint32_t other : passages.row(cell)) {
-      const float longer = so_far + glm::distance(centre(cell), centre(other));
-      if (longer >= length[other]) continue;
-      length[other] = longer;
-      next[other] = cell;
-      queue.emplace(longer, other);
-    }
-  }
-  std::vector<std::uint32_t> way;
-  for (std::uint32_t at = from; at != goal;) way.push_back(at = next[at]);
-  return way;
-}
+/// The cells after `from` on the shortest way to `goal`, measured between the cells' centres. Some way must lead there.
+std::vector<std::uint32_t> shortest_way(const VisibilityMatrix& passages, std::span<const Box> cells,
+                                        std::uint32_t from, std::uint32_t goal);
 
-/// The cell it begins in and `steps` more, each reached by a passage from the one before. `cells` has a box for each.
-inline std::vector<std::uint32_t> walk_cells(const VisibilityMatrix& passages, std::span<const Box> cells,
-                                             std::uint32_t steps, std::uint64_t seed) {
-  const auto part = largest_part(passages);
-  if (part.size() < 2) throw std::invalid_argument("no passage leads from any cell to another");
-  Random random(seed);
-  std::vector<std::uint32_t> walk = {part[random.below(static_cast<std::uint32_t>(part.size()))]};
-  while (walk.size() <= steps) {
-    const std::uint32_t goal = part[random.below(static_cast<std::uint32_t>(part.size()))];
-    const auto further = shortest_way(passages, cells, walk.back(), goal);
-    walk.insert(walk.end(), further.begin(), further.end());
-  }
-  walk.resize(std::size_t{steps} + 1);
-  return walk;
-}
+/// The cell in which the walk begins and `steps` more, each reached by a passage from the one before. The viewer goes to a cell
+/// drawn at random by the shortest way, then to the next: straight on, as somebody who knows the place, over all of its
+/// largest part. `cells` has a box for each. The same seed gives the same walk. Throws std::invalid_argument where no passage
+/// leads from any cell to another.
+std::vector<std::uint32_t> walk_cells(const VisibilityMatrix& passages, std::span<const Box> cells,
+                                      std::uint32_t steps, std::uint64_t seed);
 
-/// "maps/oa_koth1.bsp" and all before the last slash, or the colon: oa_koth1.
-inline std::string level_name(std::string name) {
-  name = name.substr(name.find_last_of("/:") + 1);
-  return name.substr(0, name.rfind(".bsp"));
-}
-
-}  // namespace vismat::bench
+}  // namespace vismat

@@ -1,26 +1,33 @@
 #include "visibility/scene.h"
 
-#include <algorithm>
-#include <limits>
+#include <numeric>
+#include <stdexcept>
 
 namespace vismat {
 
 std::vector<Box> object_bounds(const Scene& scene) {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  std::vector<Box> bounds(scene.object_count,
-                          {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
+  std::vector<Box> bounds(scene.object_count, empty_box);
   for (std::size_t i = 0; i < scene.indices.size(); ++i) {
-    const glm::vec3& vertex = scene.vertices[scene.indices[i]];
-    Box& box = bounds[scene.object_of_triangle[i / 3]];
-    for (int axis = 0; axis < 3; ++axis) {
-      box.low[axis] = std::min(box.low[axis], vertex[axis]);
-      box.high[axis] = std::max(box.high[axis], vertex[axis]);
-    }
+    grow(bounds[scene.object_of_triangle[i / 3]], scene.vertices[scene.indices[i]]);
   }
-  for (Box& box : bounds) {
-    if (box.low[0] > box.high[0]) box = {};
-  }
+  for (Box& box : bounds) box = zero_if_empty(box);
   return bounds;
+}
+
+Box bounds_of(const Scene& scene) {
+  if (scene.indices.empty())
+    throw std::invalid_argument("the scene has no triangle, so its bounds are unknown");
+  Box bounds = empty_box;
+  for (const std::uint32_t vertex : scene.indices) grow(bounds, scene.vertices[vertex]);
+  return bounds;
+}
+
+ObjectTriangles::ObjectTriangles(const Scene& scene)
+    : first_(std::size_t{scene.object_count} + 1), triangles_(scene.object_of_triangle.size()) {
+  for (const std::uint32_t object : scene.object_of_triangle) ++first_[object + 1];
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  std::vector<std::uint64_t> next(first_.begin(), first_.end() - 1);
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) triangles_[next[scene.object_of_triangle[t]]++] = t;
 }
 
 }  // namespace vismat

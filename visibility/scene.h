@@ -1,7 +1,9 @@
-// Triangles that belong to objects.
+// A scene: triangles, each of which belongs to an object.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "matrix/dataset.h"
@@ -14,11 +16,35 @@ struct Scene {
   std::vector<std::uint32_t> indices;             // 3 per triangle, each < vertices.size()
   std::vector<std::uint32_t> object_of_triangle;  // each < object_count: the matrix's columns
   std::uint32_t object_count = 0;
-  std::vector<std::uint8_t>
-      see_through;  // one an object, 1 for glass and grates, which hide nothing; empty: none is
+  /// One an object, 1 for glass and grates, which hide nothing; empty: none is.
+  std::vector<std::uint8_t> see_through;
 };
 
-/// One box an object; an object without triangles gets the empty box [0, 0].
+template <typename Point = glm::vec3>
+std::array<Point, 3> corners_of(const Scene& scene, std::size_t triangle) {
+  std::array<Point, 3> corners;
+  for (std::size_t i = 0; i < 3; ++i) corners[i] = scene.vertices[scene.indices[3 * triangle + i]];
+  return corners;
+}
+
+/// One box an object; an object without triangles gets the box [0, 0].
 std::vector<Box> object_bounds(const Scene& scene);
+
+/// The least box around the vertices that triangles use. Throws std::invalid_argument where there is no triangle.
+Box bounds_of(const Scene& scene);
+
+/// Which triangles each object has.
+class ObjectTriangles {
+ public:
+  explicit ObjectTriangles(const Scene& scene);  // O(triangles)
+  /// Ascending; borrowed.
+  std::span<const std::uint32_t> of(std::uint32_t object) const {
+    return std::span(triangles_).subspan(first_[object], first_[object + 1] - first_[object]);
+  }
+
+ private:
+  std::vector<std::uint64_t> first_;  // of each object, and the end
+  std::vector<std::uint32_t> triangles_;
+};
 
 }  // namespace vismat

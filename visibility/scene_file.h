@@ -1,4 +1,4 @@
-// Scene files: triangles, view cells and a tree over the objects, in HDF5.
+// Reads and writes scene files, which hold triangles, view cells and a tree over the objects, in HDF5.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What is known of visibility from view cells: what is surely seen, and what is not surely hidden.
+// What is known of the visibility from view cells: the objects that are surely seen, and those that are not surely hidden.
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -19,8 +19,7 @@ struct Sight {
   VisibilityMatrix seen;         // a ray reached it: a lower bound
   VisibilityMatrix not_hidden;   // no occluder was proven to hide it: an upper bound, seen included
   std::vector<SightLine> lines;  // one for each entry of `seen`, in order
-  std::vector<float>
-      degree;  // degree of visibility of each entry of `seen`, see degree_of_visibility in sampled.h
+  std::vector<float> degree;     // one for each entry of `seen`, see degree_of_visibility in sampled.h
   std::uint64_t rays = 0;
 };
 

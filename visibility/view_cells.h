@@ -1,4 +1,4 @@
-// The places from which a scene is looked at.
+// View cells: the places from which a scene is looked at.
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>

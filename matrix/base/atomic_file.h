@@ -1,4 +1,4 @@
-// Files appear under their final name whole or not at all.
+// Writes files that appear under their final name whole or not at all.
 #pragma once
 #include <cstddef>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Bounds-checked reading of little-endian bytes, and the one error that bad bytes raise.
+// Reads little-endian bytes with bounds checks, and has the one error that bad bytes raise.
 #pragma once
 #include <bit>
 #include <cstddef>

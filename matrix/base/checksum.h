@@ -1,4 +1,4 @@
-// CRC-32, the one of gzip, PNG and zip: reflected polynomial 0xedb88320. Finds any one error of at most 32 bits in a row.
+// The checksum of gzip, PNG and zip: CRC-32, reflected polynomial 0xedb88320. It finds any one error of at most 32 bits in a row.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Loops over independent items on several threads.
+// Runs loops over independent items on several threads.
 #pragma once
 #include <cstdint>
 #include <functional>

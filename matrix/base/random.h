@@ -1,4 +1,4 @@
-// Seeded random numbers whose values are the same on every platform, unlike the standard distributions.
+// A generator of seeded random numbers whose values are the same on every platform, unlike the standard distributions.
 #pragma once
 #include <cstdint>
 

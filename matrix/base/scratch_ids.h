@@ -1,4 +1,4 @@
-// Ids by the thousand million, on disk instead of in memory.
+// An array of ids, thousands of millions of them, that lies on disk instead of in memory.
 #pragma once
 #include <cstdint>
 #include <filesystem>

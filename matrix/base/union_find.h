@@ -1,24 +1,32 @@
-// Which points hang together.
+// Disjoint sets of points that can be joined (union-find).
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <numeric>
 #include <vector>
 
 namespace vismat {
 
-/// Union-find with path halving: at first each point is a component of its own.
+/// The points [0, size), each a set of its own at first. A set is named by one of its points, its root. Path halving keeps
+/// find() short: O(log size), amortised.
 class UnionFind {
  public:
-  explicit UnionFind(std::uint32_t size) : root_(size) { std::iota(root_.begin(), root_.end(), 0u); }
+  explicit UnionFind(std::uint32_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  /// The root of the point's set.
   std::uint32_t find(std::uint32_t p) {
-    while (root_[p] != p) p = root_[p] = root_[root_[p]];
+    while (parent_[p] != p) p = parent_[p] = parent_[parent_[p]];
     return p;
   }
-  /// Both are roots; `parent` stays one.
-  void join(std::uint32_t child, std::uint32_t parent) { root_[child] = parent; }
+  /// Joins two sets. Both points are roots; `parent` stays one.
+  void join(std::uint32_t child, std::uint32_t parent) { parent_[child] = parent; }
+  /// Joins the sets of two points, whose lesser root stays: where all joins are of this kind, a set's root is its least point.
+  void join_sets(std::uint32_t a, std::uint32_t b) {
+    const auto [least, other] = std::minmax({find(a), find(b)});
+    join(other, least);
+  }
 
  private:
-  std::vector<std::uint32_t> root_;
+  std::vector<std::uint32_t> parent_;
 };
 
 }  // namespace vismat

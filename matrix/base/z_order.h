@@ -1,4 +1,4 @@
-// Places along the Z-curve.
+// Places along the Z-order curve (Morton codes), which keeps near points near.
 #pragma once
 #include <cstdint>
 
@@ -6,21 +6,27 @@ namespace vismat {
 
 /// Bits of x and y interleaved, x lowest.
 inline std::uint64_t z_order(std::uint32_t x, std::uint32_t y) {
-  std::uint64_t key = 0;
-  for (unsigned bit = 0; bit < 32; ++bit) {
-    key |= std::uint64_t{x >> bit & 1} << (2 * bit) | std::uint64_t{y >> bit & 1} << (2 * bit + 1);
-  }
-  return key;
+  const auto spread = [](std::uint64_t value) {  // to every second bit
+    value = (value | value << 16) & 0x0000ffff0000ffff;
+    value = (value | value << 8) & 0x00ff00ff00ff00ff;
+    value = (value | value << 4) & 0x0f0f0f0f0f0f0f0f;
+    value = (value | value << 2) & 0x3333333333333333;
+    return (value | value << 1) & 0x5555555555555555;
+  };
+  return spread(x) | spread(y) << 1;
 }
 
-/// Bits of x, y and z interleaved, x lowest; 21 bits of each.
+/// Bits of x, y and z interleaved, x lowest; the lowest 21 bits of each.
 inline std::uint64_t z_order(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  std::uint64_t key = 0;
-  for (unsigned bit = 0; bit < 21; ++bit) {
-    key |= (std::uint64_t{x >> bit & 1} | std::uint64_t{y >> bit & 1} << 1 | std::uint64_t{z >> bit & 1} << 2)
-           << 3 * bit;
-  }
-  return key;
+  const auto spread = [](std::uint64_t value) {  // to every third bit
+    value &= 0x1fffff;
+    value = (value | value << 32) & 0x1f00000000ffff;
+    value = (value | value << 16) & 0x1f0000ff0000ff;
+    value = (value | value << 8) & 0x100f00f00f00f00f;
+    value = (value | value << 4) & 0x10c30c30c30c30c3;
+    return (value | value << 2) & 0x1249249249249249;
+  };
+  return spread(x) | spread(y) << 1 | spread(z) << 2;
 }
 
 }  // namespace vismat

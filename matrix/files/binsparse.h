@@ -1,5 +1,5 @@
-// Binsparse, the cross-platform binary sparse matrix format, in HDF5 (graphblas.org/binsparse-specification,
-// version 0.1). docs/files.md describes our layout in full.
+// Reads and writes Binsparse, the cross-platform binary sparse matrix format, in HDF5
+// (graphblas.org/binsparse-specification, version 0.1). docs/files.md describes our layout in full.
 #pragma once
 #include "matrix/dataset.h"
 #include "matrix/files/hdf5_file.h"

@@ -1,4 +1,4 @@
-// Matrix files: a dataset read from and written to Binsparse on HDF5 or Matrix Market.
+// Reads a dataset from a matrix file and writes it to one: Binsparse on HDF5, or Matrix Market.
 #pragma once
 #include <filesystem>
 

@@ -1,5 +1,4 @@
-// A thin, closed door to the HDF5 library: named arrays and attributes, nothing else of its C interface
-// shows.
+// A file of named arrays and attributes in HDF5. Nothing of the library's C interface shows.
 #pragma once
 #include <cstdint>
 #include <filesystem>

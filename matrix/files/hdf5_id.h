@@ -1,4 +1,4 @@
-// Ownership of the HDF5 library's identifiers. Private to matrix/.
+// Owns identifiers of the HDF5 library and closes them. Private to matrix/files/.
 #pragma once
 #include <hdf5.h>
 

@@ -1,4 +1,4 @@
-// Reading HDF5 in this very process: what Hdf5File runs inside its child. Private to matrix/.
+// Reads HDF5 in the process that calls it: Hdf5File runs this inside its child process. Private to matrix/files/.
 #pragma once
 #include <cstddef>
 #include <cstdint>

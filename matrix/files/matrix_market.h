@@ -1,4 +1,4 @@
-// Matrix Market exchange format (math.nist.gov/MatrixMarket/formats.html): plain text, 1-based.
+// Reads and writes the Matrix Market exchange format (math.nist.gov/MatrixMarket/formats.html), which is plain text, 1-based.
 #pragma once
 #include <cstddef>
 #include <iosfwd>

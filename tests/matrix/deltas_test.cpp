@@ -3,90 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
 #include <iterator>
-#include <set>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "matrix/base/random.h"
+#include "tests/matrix/neighbouring_cells.h"
 
 namespace vismat {
 namespace {
-
-using Rows = std::vector<std::vector<std::uint32_t>>;
-constexpr std::uint32_t outside = Boundary::outside;
-
-std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
-// Some rows are empty, some equal to an earlier one, some like it.
-VisibilityMatrix random_cells(Shape shape, Random& random) {
-  Rows rows(shape.rows);
-  for (std::uint32_t r = 0; r < shape.rows; ++r) {
-    const std::uint32_t kind = random.below(8);
-    if (kind == 0) continue;
-    std::vector<bool> bits(shape.columns, false);
-    if (r > 0 && kind < 6) {
-      for (const std::uint32_t c : rows[random.below(r)]) bits[c] = true;
-      if (kind > 1 && shape.columns > 0) {
-        for (std::uint32_t flips = random.below(9); flips > 0; --flips)
-          bits[random.below(shape.columns)].flip();
-      }
-    } else {
-      const float density = random.unit();
-      for (std::uint32_t c = 0; c < shape.columns; ++c) bits[c] = random.unit() < density;
-    }
-    for (std::uint32_t c = 0; c < shape.columns; ++c) {
-      if (bits[c]) rows[r].push_back(c);
-    }
-  }
-  return VisibilityMatrix::from_rows(rows, shape.columns);
-}
-
-VisibilityMatrix symmetric(std::uint32_t size,
-                           const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) {
-  std::vector<std::set<std::uint32_t>> sets(size);
-  for (const auto& [a, b] : pairs) {
-    sets[a].insert(b);
-    sets[b].insert(a);
-  }
-  Rows rows;
-  for (const auto& set : sets) rows.emplace_back(set.begin(), set.end());
-  return VisibilityMatrix::from_rows(rows, size);
-}
-
-// Few pairs leave many parts and lone cells; some cells are their own neighbours.
-VisibilityMatrix random_neighbours(std::uint32_t size, Random& random) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  for (std::uint32_t count = size == 0 ? 0 : random.below(3 * size); count > 0; --count)
-    pairs.emplace_back(random.below(size), random.below(size));
-  return symmetric(size, pairs);
-}
-
-struct Case {
-  VisibilityMatrix cells, neighbours;
-};
-std::vector<Case> random_cases() {
-  std::vector<Case> cases = {{VisibilityMatrix({0, 0}), VisibilityMatrix({0, 0})},
-                             {VisibilityMatrix({0, 7}), VisibilityMatrix({0, 0})},
-                             {VisibilityMatrix({5, 0}), symmetric(5, {{0, 1}, {1, 4}})},
-                             {VisibilityMatrix({4, 9}), symmetric(4, {{0, 1}, {1, 2}, {2, 3}})}};
-  Random random(1);
-  for (int i = 0; i < 60; ++i) {
-    const Shape shape = {1 + random.below(40), random.below(300)};
-    cases.push_back({random_cells(shape, random), random_neighbours(shape.rows, random)});
-  }
-  return cases;
-}
 
 TEST(Deltas, ListWhatAppearsAndWhatVanishes) {
   const auto cells = VisibilityMatrix::from_rows({{0, 1}, {1, 2, 3}, {5}, {1, 2, 3}}, 6);
@@ -213,48 +139,6 @@ TEST(Cross, NamesTheColumnThatDoesNotFit) {
   EXPECT_EQ(of({}, {}, {0}), "column 0 vanishes, but was not visible");
   EXPECT_EQ(of({1}, {3}, {3}), "column 3 vanishes, but was not visible");
   EXPECT_EQ(of({1}, {1}, {1}), "column 1 appears, but was visible before");
-}
-
-TEST(Walk, SeesEachCellsRowOnAnyWay) {
-  Random random(3);
-  std::size_t returns = 0;
-  for (const Case& c : random_cases()) {
-    const Deltas deltas = deltas_of(c.cells, c.neighbours);
-    Walk walk(deltas);
-    EXPECT_EQ(walk.cell(), outside);
-    EXPECT_TRUE(walk.visible().empty());
-    for (int step = 0; step < 3000 && !deltas.boundaries.empty(); ++step) {
-      const auto near = walk.map().neighbours(walk.cell());
-      const std::uint32_t to = near[random.below(static_cast<std::uint32_t>(near.size()))];
-      walk.go(to);
-      ASSERT_EQ(walk.cell(), to);
-      ASSERT_TRUE(to == outside ? walk.visible().empty()
-                                : std::ranges::equal(walk.visible(), c.cells.row(to)));
-      returns += to == outside;
-    }
-  }
-  EXPECT_GT(returns, 1000u);
-}
-
-TEST(Walk, StaysWhereItIsIfNoBoundaryLeadsOn) {
-  const auto cells = VisibilityMatrix::from_rows({{0, 1}, {1, 2}, {5}}, 6);
-  Deltas deltas = deltas_of(cells, symmetric(3, {{0, 1}}));
-  Walk walk(deltas);
-  EXPECT_EQ(refusal([&] { walk.go(1); }), "no boundary leads from outside to cell 1");
-  walk.go(0);
-  EXPECT_EQ(refusal([&] { walk.go(2); }), "no boundary leads from cell 0 to cell 2");
-  EXPECT_EQ(refusal([&] { walk.go(0); }), "no boundary leads from cell 0 to cell 0");
-  EXPECT_EQ(refusal([&] { walk.go(77); }), "no boundary leads from cell 0 to cell 77");
-  EXPECT_TRUE(std::ranges::equal(walk.visible(), cells.row(0)));
-
-  deltas.lists = VisibilityMatrix::from_rows({{0, 1}, {}, {5}, {}, {1}, {}}, 6);
-  Walk damaged(deltas);
-  damaged.go(0);
-  EXPECT_EQ(refusal([&] { damaged.go(1); }), "column 1 appears, but was visible before");
-  EXPECT_EQ(damaged.cell(), 0u);
-  EXPECT_TRUE(std::ranges::equal(damaged.visible(), cells.row(0)));
-  deltas.lists = VisibilityMatrix({4, 6});
-  EXPECT_EQ(refusal([&] { Walk short_of_lists(deltas); }), "3 boundaries, but 4 lists; each has two");
 }
 
 }  // namespace

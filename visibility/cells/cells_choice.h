@@ -1,4 +1,4 @@
-// View cells as a user asks for them in words.
+// Makes the view cells that a user asks for in words.
 #pragma once
 #include <string>
 #include <string_view>

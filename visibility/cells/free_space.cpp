@@ -284,19 +284,4 @@ std::vector<std::uint8_t> reachable_cells(const Scene& scene, const CellGrid& gr
   return Flood(opaque, grid, viewers, lines, threads).entered();
 }
 
-Box bounds_of(const Scene& scene) {
-  if (scene.indices.empty())
-    throw std::invalid_argument("the scene has no triangle, so its bounds are unknown");
-  const glm::vec3& first = scene.vertices[scene.indices[0]];
-  Box bounds = {{first.x, first.y, first.z}, {first.x, first.y, first.z}};
-  for (const std::uint32_t vertex : scene.indices) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<unsigned>(axis);
-      bounds.low[a] = std::min(bounds.low[a], scene.vertices[vertex][axis]);
-      bounds.high[a] = std::max(bounds.high[a], scene.vertices[vertex][axis]);
-    }
-  }
-  return bounds;
-}
-
 }  // namespace vismat

@@ -1,4 +1,4 @@
-// Where a viewer can be: the free space of a scene, as far as it can be reached.
+// Finds the free space of a scene that a viewer can reach.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -46,8 +46,5 @@ struct Viewers {
 std::vector<std::uint8_t> reachable_cells(const Scene& scene, const CellGrid& grid,
                                           const Viewers& viewers = {}, unsigned lines = 2,
                                           unsigned threads = 0);
-
-/// The least box around the scene's vertices that triangles use. Throws std::invalid_argument where there is no triangle.
-Box bounds_of(const Scene& scene);
 
 }  // namespace vismat

@@ -1,4 +1,4 @@
-// View cells of equal size wherever a viewer can be.
+// Makes view cells of equal size wherever a viewer can be.
 #pragma once
 #include <glm/vec3.hpp>
 #include <optional>

@@ -1,4 +1,4 @@
-// The ground on which viewers stand, of any scene, as triangles.
+// Makes view cells of the ground on which viewers stand, as triangles, for any scene.
 #pragma once
 #include <optional>
 

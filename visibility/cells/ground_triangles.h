@@ -1,51 +1,37 @@
-// Ground as triangles: constrained Delaunay triangulation by GEOS, and which triangles meet.
+// Triangulates ground: constrained Delaunay triangles of polygons in the plan, and which triangles meet.
 #pragma once
-#include <geos_c.h>
-
 #include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
-#include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "matrix/dataset.h"
+#include "matrix/box.h"
 
 namespace vismat {
 
-/// GEOS by its C interface, the one that stays stable between versions; frees what it hands out. For one thread.
-class Geos {
- public:
-  struct Delete {
-    GEOSContextHandle_t context;
-    void operator()(GEOSGeometry* geometry) const { GEOSGeom_destroy_r(context, geometry); }
-  };
-  using Geometry = std::unique_ptr<GEOSGeometry, Delete>;
+using Triangle = std::array<glm::vec3, 3>;
+using Polygon = std::vector<glm::dvec2>;  // its corners in order
 
-  Geos();
-  ~Geos();
-  Geos(const Geos&) = delete;
-  Geos& operator=(const Geos&) = delete;
+/// Metres; corners in the plan are rounded to it, and thinner triangles are left out.
+constexpr double plan_grid = 1e-3;
 
-  /// Throws std::runtime_error with what GEOS says where there is no geometry.
-  Geometry own(GEOSGeometry* geometry) const;
-  /// The corners in order; the ring closes itself.
-  GEOSGeometry* ring(std::span<const glm::dvec2> corners) const;
-  GEOSGeometry* ring(const Box& box) const;
-  GEOSContextHandle_t context() const { return context_; }
+/// The convex hull of points, counter-clockwise from its least (x, y); fewer than three corners where there is no area.
+Polygon hull_in_plan(Polygon points);
+double area_in_plan(const std::array<glm::dvec3, 3>& triangle);
 
- private:
-  GEOSContextHandle_t context_;
-  std::string error_;
+/// Convex polygons in the plan, which may overlap.
+struct GroundPlan {
+  std::vector<Polygon> ground, obstacles, steps;
 };
 
-using Triangle = std::array<glm::vec3, 3>;
-
-/// The constrained Delaunay triangles of a polygon or several, at height 0, each counter-clockwise from the corner of least
-/// (x, y). GEOS promises no order of them.
-std::vector<Triangle> triangulate(const Geos& geos, const GEOSGeometry& polygons);
+/// Triangles that cover the ground without its obstacles, whose outlines may move by `tolerance` for fewer corners, and without
+/// its steps, at height 0, each counter-clockwise from the corner of least (x, y). GEOS promises no order of them. Throws
+/// std::runtime_error with what GEOS says where it fails.
+std::vector<Triangle> triangulate(const GroundPlan& plan, double tolerance);
+/// The same for a rectangle without holes that lie apart from one another and from its border.
+std::vector<Triangle> triangulate_around(const Box& ground, std::span<const Box> holes);
 
 /// Which triangles share an edge, corner for corner.
 std::vector<std::vector<std::uint32_t>> edge_neighbours(std::span<const Triangle> triangles);

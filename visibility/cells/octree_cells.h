@@ -1,4 +1,4 @@
-// View cells that are small where much is visible: the adaptive octree of Chhugani et al. 2005, sections 3 and 8.
+// Makes view cells that are small where much is visible, by the adaptive octree of Chhugani et al. 2005, sections 3 and 8.
 #pragma once
 #include <cstdint>
 #include <functional>

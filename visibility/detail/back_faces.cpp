@@ -13,7 +13,6 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numeric>
 
 namespace vismat {
@@ -24,13 +23,6 @@ using glm::dvec3;
 constexpr std::uint32_t leaf_size = 8;
 // Cones are tested by angles whose sine and lengths carry a few roundings; what they settle must clear them.
 constexpr double slack = 1e-9;
-
-dvec3 low_of(const Box& box) {
-  return {box.low[0], box.low[1], box.low[2]};
-}
-dvec3 high_of(const Box& box) {
-  return {box.high[0], box.high[1], box.high[2]};
-}
 
 unsigned nearest_axis(const dvec3& n) {
   const dvec3 a = glm::abs(n);
@@ -99,20 +91,14 @@ void BackFaces::build(std::span<std::uint32_t> order, std::uint32_t first, const
                       std::span<const dvec3> vertices,
                       std::span<const std::array<std::uint32_t, 3>> triangles) {
   const std::size_t at = clusters_.size();
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   Cluster cluster;
-  cluster.low = dvec3(infinity);
-  cluster.high = dvec3(-infinity);
   cluster.first = first;
   cluster.count = static_cast<std::uint32_t>(order.size());
   cluster.leaf = order.size() <= leaf_size;
   dvec3 sum(0);
   bool flat = false;  // a triangle without area faces nowhere and everywhere
   for (const std::uint32_t triangle : order) {
-    for (const std::uint32_t corner : triangles[triangle]) {
-      cluster.low = glm::min(cluster.low, vertices[corner]);
-      cluster.high = glm::max(cluster.high, vertices[corner]);
-    }
+    for (const std::uint32_t corner : triangles[triangle]) grow(cluster.bounds, vertices[corner]);
     const double length = glm::length(planes[triangle].normal);
     flat = flat || !(length > planes[triangle].rounding * 1e10);
     if (length > 0) sum += planes[triangle].normal / length;
@@ -129,7 +115,7 @@ void BackFaces::build(std::span<std::uint32_t> order, std::uint32_t first, const
   }
   clusters_.push_back(cluster);
   if (!cluster.leaf) {
-    const dvec3 size = cluster.high - cluster.low;
+    const dvec3 size = cluster.bounds.high - cluster.bounds.low;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const auto middle = [&](std::uint32_t t) {
       return vertices[triangles[t][0]][axis] + vertices[triangles[t][1]][axis] +
@@ -148,13 +134,14 @@ void BackFaces::build(std::span<std::uint32_t> order, std::uint32_t first, const
 }
 
 std::uint64_t BackFaces::facing(const Box& cell) const {
-  const dvec3 low = low_of(cell), high = high_of(cell), middle = (low + high) / 2.0;
+  const auto [low, high] = bounds_of(cell);
+  const dvec3 middle = (low + high) / 2.0;
   std::uint64_t facing = 0;
   for (std::uint32_t i = 0; i < clusters_.size();) {
     const Cluster& c = clusters_[i];
-    if (all_behind(low - c.high, high - c.low, c.axis, c.sine)) {
+    if (all_behind(low - c.bounds.high, high - c.bounds.low, c.axis, c.sine)) {
       i = c.next;
-    } else if (all_behind(middle - c.high, middle - c.low, -c.axis, c.sine)) {
+    } else if (all_behind(middle - c.bounds.high, middle - c.bounds.low, -c.axis, c.sine)) {
       facing += c.count;
       i = c.next;
     } else if (c.leaf) {

@@ -1,4 +1,4 @@
-// Which triangles of an object turn their backs on all of a view cell.
+// Counts the triangles of an object that may face some point of a view cell; the others are back faces for all of it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "matrix/dataset.h"
+#include "visibility/geometry/bounds.h"
 #include "visibility/geometry/mesh.h"
 
 namespace vismat {
@@ -29,13 +30,13 @@ class BackFaces {
  private:
   struct Plane {
     glm::dvec3 normal{}, corner{};
-    double rounding =
-        0;  // what the test of a cell near the scene may be off by, for each metre of its coordinates
+    /// What the test of a cell near the scene may be off by, for each metre of its coordinates.
+    double rounding = 0;
   };
   struct Cluster {
-    glm::dvec3 low{}, high{};  // around its corners
-    glm::dvec3 axis{};         // of a cone that holds all normals
-    double sine = 2;           // of the cone's half angle; above 1 where it is not below a right angle
+    Bounds bounds;      // of its corners
+    glm::dvec3 axis{};  // of a cone that holds all normals
+    double sine = 2;    // of the cone's half angle; above 1 where it is not below a right angle
     std::uint32_t first = 0, count = 0;
     std::uint32_t next = 0;  // the first cluster that is not within this one
     bool leaf = false;

@@ -33,6 +33,7 @@
 #include <string>
 
 #include "visibility/detail/back_faces.h"
+#include "visibility/geometry/plane_geometry.h"
 
 namespace vismat {
 namespace {
@@ -49,10 +50,6 @@ constexpr double least_facing = 0.05;  // cosine: heights along n change by at m
 constexpr double rounding =
     4e-6;  // of the star's size, see ALGORITHM; far above what doubles lose at that slope
 constexpr double parallel = 1e-9;  // sine
-
-double cross(const dvec2& a, const dvec2& b) {
-  return a.x * b.y - a.y * b.x;
-}
 
 /// What the second number of ALGORITHM says: `rim` are the star's corners as seen from v0, counter-clockwise, v1 first.
 std::optional<double> distance_of_fan(std::span<const dvec3> rim) {

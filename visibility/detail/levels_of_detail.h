@@ -1,4 +1,4 @@
-// Coarser versions of a scene's objects, and how coarse they may be for a view cell.
+// Makes coarser versions of a scene's objects, and tells how coarse they may be for a view cell.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -22,7 +22,7 @@ struct LevelOfDetail {
 
 /// By edge collapse [Chhugani et al. 2005, section 4], each about half the triangles of the one before, errors ascending; the
 /// first is the mesh itself. Ends where half cannot be reached. Non-manifold sides are parted first; where that does not
-/// make a manifold, there is the first level alone. Deterministic. O(n log n), 20 us a triangle.
+/// make a manifold, there is the first level alone. Deterministic. O(n log n).
 std::vector<LevelOfDetail> levels_of_detail(const Mesh& mesh);
 
 /// The finest picture that a vLOD is to serve.

@@ -1,4 +1,4 @@
-// A matrix held against its scene, entry by entry, on a sample of them.
+// Checks a sample of a matrix's entries against the scene.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -8,26 +8,13 @@
 
 #include <algorithm>
 #include <deque>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/vector_relational.hpp>
 #include <memory>
+
+#include "visibility/geometry/bounds.h"
 
 namespace vismat {
 namespace {
-
-struct Bounds {
-  glm::dvec3 low, high;
-};
-template <typename Points>
-Bounds bounds_of(const Points& points) {
-  Bounds bounds{points[0], points[0]};
-  for (const glm::dvec3& p : points) bounds = {glm::min(bounds.low, p), glm::max(bounds.high, p)};
-  return bounds;
-}
-bool overlap(const Bounds& a, const Bounds& b) {
-  return glm::all(glm::lessThanEqual(a.low, b.high)) && glm::all(glm::lessThanEqual(b.low, a.high));
-}
 
 // No value where doubles do not hold it.
 std::optional<glm::dvec3> midpoint(const glm::dvec3& a, const glm::dvec3& b) {
@@ -93,12 +80,6 @@ bool closed_by(const Occluder& occluder, const Triangle& from, const Triangle& t
          (beyond_a_face(occluder.shape, from, false) && beyond_a_face(occluder.shape, to, true));
 }
 
-Triangle corners_of(const Scene& scene, std::size_t triangle) {
-  Triangle corners;
-  for (std::size_t i = 0; i < 3; ++i) corners[i] = scene.vertices[scene.indices[3 * triangle + i]];
-  return corners;
-}
-
 }  // namespace
 
 LineSpaceAnswer look_in_line_space(const Scene& scene, std::span<const Occluder> occluders,
@@ -111,7 +92,7 @@ LineSpaceAnswer look_in_line_space(const Scene& scene, std::span<const Occluder>
   std::vector<Triangle> targets;
   for (std::size_t t = 0; t < scene.object_of_triangle.size(); ++t) {
     const std::uint32_t owner = scene.object_of_triangle[t];
-    const Triangle triangle = corners_of(scene, t);
+    const Triangle triangle = corners_of<glm::dvec3>(scene, t);
     if (owner == object) {
       targets.push_back(triangle);
     } else if (scene.see_through.empty() || !scene.see_through[owner]) {
@@ -137,7 +118,7 @@ LineSpaceAnswer look_in_line_space(const Scene& scene, std::span<const Occluder>
     ++answer.pieces;
     const Bounds around =
         bounds_of(std::array{pair.from[0], pair.from[1], pair.from[2], pair.to[0], pair.to[1], pair.to[2]});
-    const auto off = [&](const auto& what) { return !overlap(what.bounds, around); };
+    const auto off = [&](const auto& what) { return !meet(what.bounds, around); };
     if (std::any_of(pair.between->walls.begin(), pair.between->walls.end(), off) ||
         std::any_of(pair.between->curtains.begin(), pair.between->curtains.end(), off)) {
       auto fewer = std::make_shared<Between>(*pair.between);

@@ -1,4 +1,4 @@
-// The right answer for small scenes: visibility of an object from a view cell by branch and bound over lines.
+// Decides exactly whether an object is visible from a view cell, by branch and bound over lines, for small scenes.
 #pragma once
 #include <cstdint>
 #include <optional>

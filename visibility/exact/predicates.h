@@ -1,4 +1,4 @@
-// Does it hide? Answered without rounding.
+// Exact geometric predicates: what crosses, meets or hides what, decided without rounding.
 #pragma once
 #include <array>
 #include <glm/vec3.hpp>
@@ -9,7 +9,7 @@
 
 namespace vismat {
 
-/// Every coordinate given to what stands here must be finite; it is then taken as the rational number that it is, and the
+/// Every coordinate given to these functions must be finite; it is then taken as the rational number that it is, and the
 /// answers are exact. Most come from doubles with an error bound, the others from rational arithmetic.
 
 using Triangle = std::array<glm::dvec3, 3>;

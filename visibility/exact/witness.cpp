@@ -12,9 +12,6 @@
 namespace vismat {
 namespace {
 
-double largest_coordinate(const glm::dvec3& p) {
-  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-}
 bool finite(const glm::vec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
@@ -49,7 +46,8 @@ struct Near {
            turn.z <= half.x * arms.y + half.y * arms.x + more;
   }
   bool to_triangle(const Triangle& t) const {
-    return to_box(glm::min(glm::min(t[0], t[1]), t[2]), glm::max(glm::max(t[0], t[1]), t[2]));
+    const auto [low, high] = bounds_of(t);
+    return to_box(low, high);
   }
 };
 
@@ -125,27 +123,15 @@ std::string text(const glm::dvec3& p) {
 }  // namespace
 
 WitnessCheck::WitnessCheck(const Scene& scene)
-    : scene_(scene), bounds_(object_bounds(scene)), first_triangle_(std::size_t{scene.object_count} + 1) {
-  for (const std::uint32_t object : scene.object_of_triangle) ++first_triangle_[object + 1];
-  std::partial_sum(first_triangle_.begin(), first_triangle_.end(), first_triangle_.begin());
-  triangles_.resize(scene.object_of_triangle.size());
-  std::vector<std::uint64_t> next(first_triangle_.begin(), first_triangle_.end() - 1);
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) triangles_[next[scene.object_of_triangle[t]]++] = t;
-}
+    : scene_(scene), bounds_(object_bounds(scene)), triangles_(scene) {}
 
 Triangle WitnessCheck::corners(std::uint32_t triangle) const {
-  const std::uint32_t* index = &scene_.indices[std::size_t{3} * triangle];
-  return {scene_.vertices[index[0]], scene_.vertices[index[1]], scene_.vertices[index[2]]};
-}
-
-std::span<const std::uint32_t> WitnessCheck::triangles(std::uint32_t object) const {
-  return std::span(triangles_)
-      .subspan(first_triangle_[object], first_triangle_[object + 1] - first_triangle_[object]);
+  return corners_of<glm::dvec3>(scene_, triangle);
 }
 
 glm::dvec3 WitnessCheck::farthest_vertex(std::uint32_t object, const glm::dvec3& direction) const {
-  glm::dvec3 farthest = corners(triangles(object)[0])[0];
-  for (const std::uint32_t triangle : triangles(object)) {
+  glm::dvec3 farthest = corners(triangles_.of(object)[0])[0];
+  for (const std::uint32_t triangle : triangles_.of(object)) {
     for (const glm::dvec3& vertex : corners(triangle)) {
       if (glm::dot(direction, vertex - farthest) > 0) farthest = vertex;
     }
@@ -158,7 +144,7 @@ bool WitnessCheck::crosses_one_of(std::uint32_t object, const WeightedMean& from
   const Near near(from, to);
   if (!near.to_box(bounds_[object].low, bounds_[object].high)) return false;
   std::vector<Triangle> close;
-  for (const std::uint32_t triangle : triangles(object)) {
+  for (const std::uint32_t triangle : triangles_.of(object)) {
     const Triangle t = corners(triangle);
     if (near.to_triangle(t)) close.push_back(t);
   }
@@ -188,7 +174,7 @@ Doubt WitnessCheck::seen(const Convex& cell, std::uint32_t object, const SightLi
   Triangle target{};
   std::array<double, 3> weights{};
   double distance = INFINITY;
-  for (const std::uint32_t triangle : triangles(object)) {
+  for (const std::uint32_t triangle : triangles_.of(object)) {
     const Triangle t = corners(triangle);
     const std::array<double, 3> now = nearest(t, to);
     if (const double d = glm::distance(rounded(mean_of(t, now)), to); d < distance) {
@@ -198,7 +184,7 @@ Doubt WitnessCheck::seen(const Convex& cell, std::uint32_t object, const SightLi
   if (!(distance <= rounding)) {
     return "its sight line ends at " + text(to) + ", " + std::to_string(distance) + " m from the object";
   }
-  const std::span<const std::uint32_t> own = triangles(object);
+  const std::span<const std::uint32_t> own = triangles_.of(object);
   if (from == to &&
       std::any_of(own.begin(), own.end(), [&](std::uint32_t t) { return meets(corners(t), cell); })) {
     return std::nullopt;
@@ -228,7 +214,7 @@ Doubt WitnessCheck::seen(const Convex& cell, std::uint32_t object, const SightLi
 
 Doubt WitnessCheck::hidden(const Convex& cell, std::uint32_t object, const HiddenWitness& witness,
                            std::span<const Occluder> occluders, std::uint32_t samples, Random random) const {
-  const std::span<const std::uint32_t> own = triangles(object);
+  const std::span<const std::uint32_t> own = triangles_.of(object);
   if (own.empty()) return std::nullopt;
   if (witness.parts.empty()) return "nothing is named that hides it";
   for (const HiddenWitness::Part& part : witness.parts) {

@@ -1,4 +1,4 @@
-// Is it so? Checks of what the producers name as proof, in rational arithmetic.
+// Checks the proofs that producers give for their entries, in rational arithmetic.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -22,7 +22,7 @@ using Doubt = std::optional<std::string>;
 /// triangles of those near the segment.
 class WitnessCheck {
  public:
-  explicit WitnessCheck(const Scene& scene);  // keeps it
+  explicit WitnessCheck(const Scene& scene);  // borrows it
 
   /// Whether the cell sees the object along the line. Both ends may be off by the rounding of floats: eight units in the last
   /// place of the largest coordinate, which allows `from` to lie that far outside of the cell. `to` is moved to the nearest
@@ -45,7 +45,6 @@ class WitnessCheck {
 
  private:
   Triangle corners(std::uint32_t triangle) const;
-  std::span<const std::uint32_t> triangles(std::uint32_t object) const;
   glm::dvec3 farthest_vertex(std::uint32_t object, const glm::dvec3& direction) const;
   bool crosses_one_of(std::uint32_t object, const WeightedMean& from, const WeightedMean& to) const;
   std::optional<std::uint32_t> in_between(std::uint32_t object, const WeightedMean& from,
@@ -53,8 +52,7 @@ class WitnessCheck {
 
   const Scene& scene_;
   std::vector<Box> bounds_;
-  std::vector<std::uint64_t> first_triangle_;  // of each object, and the end
-  std::vector<std::uint32_t> triangles_;
+  ObjectTriangles triangles_;
 };
 
 }  // namespace vismat

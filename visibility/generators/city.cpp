@@ -79,14 +79,6 @@ void add_box(Scene& scene, const Box& box) {
   ++scene.object_count;
 }
 
-std::vector<Triangle> triangulate_around(const Box& ground, const std::vector<Box>& holes) {
-  const Geos geos;
-  std::vector<GEOSGeometry*> rings;
-  for (const Box& hole : holes) rings.push_back(geos.ring(hole));
-  return triangulate(geos, *geos.own(GEOSGeom_createPolygon_r(geos.context(), geos.ring(ground), rings.data(),
-                                                              static_cast<unsigned>(rings.size()))));
-}
-
 void sort_by_square(std::vector<Triangle>& triangles, const CityOptions& o) {
   const auto key = [&](const Triangle& t) {
     const glm::vec3 centroid = (t[0] + t[1] + t[2]) / 3.0f;

@@ -1,4 +1,4 @@
-// A made-up city: boxes on a jittered grid, its quadtree, and the ground between the boxes as view cells.
+// Generates a city: boxes on a jittered grid, its quadtree, and the ground between the boxes as view cells.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -26,8 +26,7 @@ struct CityOptions {
 /// do not). The view cells are the constrained Delaunay triangles of the ground rectangle with the boxes cut
 /// out (6 size^2 + 2 of them), counter-clockwise, in Z-order of the grid squares of their centroids, with
 /// their neighbours. Same options, same city, for one version of GEOS. Throws std::invalid_argument for
-/// options out of range. A 64 x 64 city takes about a second, 128 x 128 a quarter of a minute: GEOS joins
-/// holes in quadratic time.
+/// options out of range. Takes time quadratic in the number of boxes, as GEOS joins holes.
 SceneFile make_city(const CityOptions& options = {});
 
 /// One line that names every parameter.

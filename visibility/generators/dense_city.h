@@ -1,4 +1,4 @@
-// A made-up city in fine triangles: buildings, some with rooms and furniture, parked cars, and the streets as view cells.
+// Generates a city of fine triangles: buildings, some with rooms and furniture, parked cars, and the streets as view cells.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -25,8 +25,7 @@ struct DenseCityOptions {
 
 /// Object 0 is the ground, a sheet at z = 0; the others are closed and outward oriented and follow square by
 /// square, along x first. The view cells are the boxes of a grid over the ground that no object enters, ascending by x first,
-/// with their neighbours. Same options, same city. Throws std::invalid_argument for options out of range. The default city
-/// takes a third of a second.
+/// with their neighbours. Same options, same city. Throws std::invalid_argument for options out of range.
 SceneFile make_dense_city(const DenseCityOptions& options = {});
 
 /// One line that names every parameter.

@@ -1,4 +1,4 @@
-// A made-up chemical plant: pipes, tanks, vessels, beams, gratings and stairs by the ten thousand.
+// Generates a chemical plant of tens of thousands of pipes, tanks, vessels, beams, gratings and stairs.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -20,7 +20,7 @@ struct PlantOptions {
 
 /// Objects are components: a straight piece of pipe, an elbow, a tank, a beam, a panel of grating, a flight of stairs.
 /// Each is closed and outward oriented and at most touches others; object 0 alone, the ground, is a sheet. The view cells are cubes
-/// all over the plant's bounds where a viewer who flies in from outside or above can be, in Z-order, with their neighbours; a
+/// all over the plant's bounds that a viewer can reach who flies in from outside or above, in Z-order, with their neighbours; a
 /// cell may have components in it. Same options, same plant, and on one kind of CPU the same cells. Throws
 /// std::invalid_argument for options out of range.
 SceneFile make_plant(const PlantOptions& options = {}, unsigned threads = 0);

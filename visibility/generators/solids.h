@@ -1,4 +1,4 @@
-// Closed bodies for made-up scenes: boxes cut out of boxes, and surfaces stretched over rings.
+// Makes closed bodies for generated scenes: boxes with boxes cut out of them, and surfaces stretched over rings.
 #pragma once
 #include <array>
 #include <cstdint>

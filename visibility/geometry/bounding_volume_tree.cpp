@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -21,15 +20,9 @@ using Centre = std::array<float, 3>;
 using Objects = std::span<std::uint32_t>;
 
 std::size_t widest_axis(std::span<const Centre> centres, Objects objects) {
-  Centre low, high;
-  low.fill(std::numeric_limits<float>::max());
-  high.fill(std::numeric_limits<float>::lowest());
-  for (const std::uint32_t object : objects) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], centres[object][k]);
-      high[k] = std::max(high[k], centres[object][k]);
-    }
-  }
+  Box around = empty_box;
+  for (const std::uint32_t object : objects) grow(around, centres[object]);
+  const auto& [low, high] = around;
   std::size_t widest = 0;
   for (std::size_t k = 1; k < 3; ++k) {
     if (high[k] - low[k] > high[widest] - low[widest]) widest = k;
@@ -66,13 +59,12 @@ void split(std::span<const Centre> centres, Objects objects, std::size_t parts, 
 ObjectTree bounding_volume_tree(std::span<const Box> boxes, unsigned arity) {
   if (arity < 2)
     throw std::invalid_argument("a tree's nodes need an arity of at least 2, not " + std::to_string(arity));
-  std::vector<Centre> centres(boxes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      centres[i][k] = boxes[i].low[k] / 2 + boxes[i].high[k] / 2;
-      if (!std::isfinite(centres[i][k]))
-        throw std::invalid_argument("box " + std::to_string(i) + " is not finite");
-    }
+  std::vector<Centre> centres;
+  centres.reserve(boxes.size());
+  for (const Box& box : boxes) {
+    centres.push_back(centre_of(box));
+    if (!std::ranges::all_of(centres.back(), [](float c) { return std::isfinite(c); }))
+      throw std::invalid_argument("box " + std::to_string(centres.size() - 1) + " is not finite");
   }
   std::vector<std::uint32_t> order(boxes.size());
   std::iota(order.begin(), order.end(), 0u);

@@ -1,4 +1,4 @@
-// Points of a view cell: where rays start.
+// Draws points of a view cell, where rays start.
 #pragma once
 #include <array>
 #include <glm/vec3.hpp>

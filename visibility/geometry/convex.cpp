@@ -12,6 +12,10 @@ namespace {
 
 using Corners = std::vector<std::uint16_t>;
 
+// The corners of a box's faces: low and high x, y, z. Corner bits: 1 = high x, 2 = high y, 4 = high z.
+const std::array<Corners, 6> box_faces = {
+    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+
 /// Each edge once, by the face that has its ends in ascending order of the two visits.
 std::vector<Convex::Edge> edges_of(const std::vector<Convex::Face>& faces) {
   std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint16_t> face_along;  // directed edge to face
@@ -58,18 +62,23 @@ double farthest_beyond(std::span<const glm::dvec3> vertices, const glm::dvec3& n
   return farthest;
 }
 
+Convex convex_box(std::vector<glm::dvec3> corners) {
+  return convex_from_faces(std::move(corners), {box_faces.begin(), box_faces.end()});
+}
+
 Convex convex_box(const Box& box) {
-  std::vector<glm::dvec3> vertices;  // corner bits: 1 = high x, 2 = high y, 4 = high z
+  std::vector<glm::dvec3> vertices;
   for (unsigned corner = 0; corner < 8; ++corner) {
     vertices.emplace_back((corner & 1 ? box.high : box.low)[0], (corner & 2 ? box.high : box.low)[1],
                           (corner & 4 ? box.high : box.low)[2]);
   }
-  return with_normals(std::move(vertices), {{{-1, 0, 0}, 0, {0, 4, 6, 2}},
-                                            {{1, 0, 0}, 0, {1, 3, 7, 5}},
-                                            {{0, -1, 0}, 0, {0, 1, 5, 4}},
-                                            {{0, 1, 0}, 0, {2, 6, 7, 3}},
-                                            {{0, 0, -1}, 0, {0, 2, 3, 1}},
-                                            {{0, 0, 1}, 0, {4, 5, 7, 6}}});
+  std::vector<Convex::Face> faces;
+  for (int face = 0; face < 6; ++face) {
+    glm::dvec3 normal{};
+    normal[face / 2] = face % 2 == 0 ? -1 : 1;
+    faces.push_back({normal, 0, box_faces[static_cast<std::size_t>(face)]});
+  }
+  return with_normals(std::move(vertices), std::move(faces));
 }
 
 Convex convex_prism(const std::array<glm::vec3, 3>& ground, float low, float high) {

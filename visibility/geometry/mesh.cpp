@@ -5,8 +5,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
-#include <numeric>
 #include <tuple>
+
+#include "matrix/base/union_find.h"
 
 namespace vismat {
 
@@ -56,22 +57,15 @@ std::vector<MeshSide> sides_of(const Mesh& mesh) {
 }
 
 std::vector<std::uint32_t> parts_by_sides(const Mesh& mesh, std::span<const MeshSide> sides) {
-  std::vector<std::uint32_t> first(mesh.triangles.size());  // a smaller triangle of the same part, or itself
-  std::iota(first.begin(), first.end(), 0u);
-  const auto root = [&](std::uint32_t triangle) {
-    while (first[triangle] != triangle) triangle = first[triangle] = first[first[triangle]];
-    return triangle;
-  };
+  UnionFind joined(static_cast<std::uint32_t>(mesh.triangles.size()));  // a part's root is its first triangle
   for (std::size_t i = 1; i < sides.size(); ++i) {
-    if (sides[i].ends != sides[i - 1].ends) continue;
-    const std::uint32_t a = root(sides[i].triangle), b = root(sides[i - 1].triangle);
-    first[std::max(a, b)] = std::min(a, b);
+    if (sides[i].ends == sides[i - 1].ends) joined.join_sets(sides[i].triangle, sides[i - 1].triangle);
   }
   std::vector<std::uint32_t> parts(mesh.triangles.size());
   std::uint32_t count = 0;
   for (std::uint32_t triangle = 0; triangle < parts.size(); ++triangle) {
-    const std::uint32_t of = root(triangle);
-    parts[triangle] = of == triangle ? count++ : parts[of];
+    const std::uint32_t first = joined.find(triangle);
+    parts[triangle] = first == triangle ? count++ : parts[first];
   }
   return parts;
 }
@@ -132,11 +126,11 @@ int winding_number(const Mesh& mesh, const glm::dvec3& point) {
   return static_cast<int>(std::lround(halves / (2 * std::numbers::pi)));
 }
 
-bool enters_box(const std::array<glm::dvec3, 3>& triangle, const glm::dvec3& low, const glm::dvec3& high) {
-  const glm::dvec3 least = glm::min(glm::min(triangle[0], triangle[1]), triangle[2]);
-  const glm::dvec3 most = glm::max(glm::max(triangle[0], triangle[1]), triangle[2]);
+bool enters_box(const std::array<glm::dvec3, 3>& triangle, const Bounds& box) {
+  const auto& [low, high] = box;
+  const Bounds around = bounds_of(triangle);
   for (int i = 0; i < 3; ++i) {
-    if (most[i] <= low[i] || least[i] >= high[i]) return false;
+    if (around.high[i] <= low[i] || around.low[i] >= high[i]) return false;
   }
   const glm::dvec3 centre = (low + high) / 2.0, half = (high - low) / 2.0;
   const std::array<glm::dvec3, 3> at = {triangle[0] - centre, triangle[1] - centre, triangle[2] - centre};
@@ -154,10 +148,9 @@ bool enters_box(const std::array<glm::dvec3, 3>& triangle, const glm::dvec3& low
   return true;
 }
 
-bool enters_box(const Mesh& mesh, const glm::dvec3& low, const glm::dvec3& high) {
+bool enters_box(const Mesh& mesh, const Bounds& box) {
   return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& corners) {
-    return enters_box({mesh.vertices[corners[0]], mesh.vertices[corners[1]], mesh.vertices[corners[2]]}, low,
-                      high);
+    return enters_box({mesh.vertices[corners[0]], mesh.vertices[corners[1]], mesh.vertices[corners[2]]}, box);
   });
 }
 

@@ -1,10 +1,12 @@
-// Triangles that share vertices: one object of a scene, or a part of it.
+// A mesh of triangles that share vertices: one object of a scene, or a part of one.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
+
+#include "visibility/geometry/bounds.h"
 
 namespace vismat {
 
@@ -28,7 +30,8 @@ Mesh mesh_of(std::span<const glm::vec3> vertices, std::span<const std::uint32_t>
 /// All sides, ascending by their ends: those that triangles share stand together. O(n log n).
 std::vector<MeshSide> sides_of(const Mesh& mesh);
 
-/// For each triangle its part's number, from 0: parts hang together by sides. Ascending by the first triangle.
+/// For each triangle the number of its connected part: triangles that share a side are in one part. Parts are numbered from 0,
+/// in the order of their first triangles.
 std::vector<std::uint32_t> parts_by_sides(const Mesh& mesh, std::span<const MeshSide> sides);
 
 struct Neighbour {
@@ -51,8 +54,8 @@ int winding_number(const Mesh& mesh, const glm::dvec3& point);
 
 /// Whether a triangle has a point in the open box; near misses past the box's edges count as hits, triangles in the planes
 /// of its faces do not. By separating axes. O(triangles).
-bool enters_box(const Mesh& mesh, const glm::dvec3& low, const glm::dvec3& high);
+bool enters_box(const Mesh& mesh, const Bounds& box);
 /// The same for one triangle.
-bool enters_box(const std::array<glm::dvec3, 3>& triangle, const glm::dvec3& low, const glm::dvec3& high);
+bool enters_box(const std::array<glm::dvec3, 3>& triangle, const Bounds& box);
 
 }  // namespace vismat

@@ -12,7 +12,6 @@
 #include <optional>
 #include <utility>
 
-#include "visibility/geometry/growing_box.h"
 #include "visibility/levels/level_tree.h"
 #include "visibility/levels/records.h"
 
@@ -205,7 +204,7 @@ VisibilityMatrix read_reject(const MapLumps& lumps, std::uint32_t sectors) {
 void add_places(Level& level, const MapLumps& lumps, std::span<const Linedef> lines,
                 std::span<const LineSectors> sectors_of_line, std::span<const Sector> sectors) {
   const auto vertices = lumps.records<Vertex>("VERTEXES");
-  std::vector<GrowingBox> boxes(sectors.size());
+  std::vector<Box> boxes(sectors.size(), empty_box);
   std::vector<std::vector<std::uint32_t>> neighbours(sectors.size());
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const auto [right, left] = sectors_of_line[i];
@@ -214,7 +213,7 @@ void add_places(Level& level, const MapLumps& lumps, std::span<const Linedef> li
       for (const auto sector : {right, left}) {
         if (!sector) continue;
         for (const std::int16_t z : {sectors[*sector].floor, sectors[*sector].ceiling}) {
-          boxes[*sector].add(glm::vec3(vertex.x, vertex.y, z) * metres_per_level_unit);
+          grow(boxes[*sector], glm::vec3(vertex.x, vertex.y, z) * metres_per_level_unit);
         }
       }
     }
@@ -223,7 +222,7 @@ void add_places(Level& level, const MapLumps& lumps, std::span<const Linedef> li
       neighbours[*left].push_back(*right);
     }
   }
-  for (const GrowingBox& box : boxes) level.cell_bounds.push_back(box.box());
+  for (const Box& box : boxes) level.cell_bounds.push_back(zero_if_empty(box));
   for (auto& row : neighbours) {
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());

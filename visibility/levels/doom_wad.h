@@ -1,4 +1,4 @@
-// Doom maps in a WAD: the REJECT lump tells which sectors cannot see one another.
+// Reads Doom maps from a WAD file, whose REJECT lump tells which sectors cannot see one another.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What a level of a game tells about visibility, whatever file it came from.
+// A level of a game with what it tells about visibility, whatever file it came from.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -34,8 +34,8 @@ struct Level {
   VisibilityMatrix faces_of_cell;  // cells x faces: which lie in which, before any visibility
   Scene face_scene;
   ObjectTree face_tree;
-  std::uint32_t mover_faces =
-      0;  // of doors and platforms: filed under cluster 0 wherever they are, see docs/levels.md
+  /// Of doors and platforms: filed under cluster 0 wherever they are, see docs/levels.md.
+  std::uint32_t mover_faces = 0;
 };
 
 /// Cells x faces: a face is visible from a cell that sees any cell the face lies in. Throws FormatError where

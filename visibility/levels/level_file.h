@@ -1,4 +1,4 @@
-// Levels by where they are: FILE.bsp, FILE.pk3:maps/NAME.bsp, FILE.wad:MAP.
+// Reads a level by the name of its place: FILE.bsp, FILE.pk3:maps/NAME.bsp or FILE.wad:MAP.
 #pragma once
 #include <cstdint>
 #include <filesystem>

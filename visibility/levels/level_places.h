@@ -1,4 +1,4 @@
-// In which cell of a level a point lies.
+// Tells in which cell of a level a point lies.
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>

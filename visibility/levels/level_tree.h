@@ -1,4 +1,4 @@
-// A level's own BSP tree as a hierarchy over its objects.
+// Makes a hierarchy over a level's objects of the level's own BSP tree.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Members of a .pk3, which is a zip.
+// Reads members of a .pk3 file, which is a zip archive.
 #pragma once
 #include <cstddef>
 #include <cstdint>

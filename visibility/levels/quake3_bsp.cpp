@@ -1,11 +1,5 @@
-// A header of 17 (offset, length) pairs, then lumps of fixed-size records that refer to one another by index:
-//
-//   nodes (3) -> leafs (4) -> leaffaces (5) -> faces (13) -> vertexes (10) and, relative to a face's first,
-//   meshverts (11) leaf.cluster -> a row and a column of visdata (16): i32 n, i32 row_bytes, n rows of bits,
-//   the lowest bit first
-//
-//   faces -> shaders (1): what the compiler knew of the material
-//
+// ALGORITHM. The nodes' tree leads to leafs, whose clusters are the view cells and whose faces are the objects; quake3_lumps.cpp has
+// the format.
 // Every index is checked where it is read, once, against the lump it points into. What real levels taught
 // beyond the format's descriptions: leaf 0 and one leaf for each brush model (doors, platforms) are reached
 // by no node and say cluster 0 with an empty box, so places are taken from reached leafs only; faces share
@@ -16,120 +10,22 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <glm/vec3.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "visibility/geometry/growing_box.h"
 #include "visibility/levels/level_tree.h"
-#include "visibility/levels/records.h"
+#include "visibility/levels/quake3_faces.h"
+#include "visibility/levels/quake3_lumps.h"
 
 namespace vismat {
 namespace {
 
-enum LumpNumber {
-  entities_lump = 0,
-  shaders_lump = 1,
-  planes_lump = 2,
-  nodes_lump = 3,
-  leafs_lump = 4,
-  leaffaces_lump = 5,
-  vertexes_lump = 10,
-  meshverts_lump = 11,
-  faces_lump = 13,
-  visdata_lump = 16,
-  lump_count = 17
-};
-constexpr std::array<const char*, lump_count> lump_names = {
-    "entities",    "shaders", "planes",    "nodes",      "leafs",    "leaffaces",
-    "leafbrushes", "models",  "brushes",   "brushsides", "vertexes", "meshverts",
-    "effects",     "faces",   "lightmaps", "lightvols",  "visdata"};
-
-struct Shader {
-  char name[64];
-  std::uint32_t surface, contents;  // flags
-};
-struct Node {
-  std::int32_t plane;
-  BspChildren children;
-  std::int32_t low[3], high[3];
-};
-struct Leaf {
-  std::int32_t cluster, area;
-  std::array<std::int32_t, 3> low, high;
-  std::int32_t first_face, faces, first_brush, brushes;
-};
-struct Vertex {
-  glm::vec3 position;
-  float texture[2][2], normal[3];
-  std::uint8_t colour[4];
-};
-enum FaceType { polygon = 1, patch = 2, mesh = 3, billboard = 4 };
-struct Face {
-  std::int32_t shader, effect, type, first_vertex, vertices, first_index, indices, lightmap[5];
-  glm::vec3 origin;
-  float lightmap_axes[2][3], normal[3];
-  std::int32_t width, height;  // of a patch's control points
-};
-static_assert(sizeof(Shader) == 72 && sizeof(Node) == 36 && sizeof(Leaf) == 48 && sizeof(Vertex) == 44 &&
-              sizeof(Face) == 104);
+using namespace quake3;
 
 constexpr std::size_t most_places = 1
                                     << 15;  // leafs with a cluster; the engine's 2 MB of visdata end at 4096
-constexpr std::size_t most_scene_entries = 1
-                                           << 24;  // vertices or triangles; the largest known level has 54150
-constexpr int patch_steps = 4;
-
-// Of a shader: drawn not at all; perhaps not opaque (nonsolid, lightfilter, alphashadow; translucent).
-constexpr std::uint32_t surface_nodraw = 0x80, surface_perhaps_clear = 0x4000 | 0x8000 | 0x10000,
-                        contents_translucent = 0x20000000;
-
-std::string name_of(int lump) {
-  return "lump " + std::to_string(lump) + " (" + lump_names[lump] + ")";
-}
-
-[[noreturn]] void refuse(int lump, const std::string& what) {
-  throw FormatError(name_of(lump) + ": " + what);
-}
-[[noreturn]] void refuse(int lump, const char* kind, std::size_t number, const std::string& what) {
-  refuse(lump, kind + (" " + std::to_string(number)) + ": " + what);
-}
-
-std::string range(std::int64_t first, std::int64_t count) {
-  return std::to_string(first) + " to " + std::to_string(first + count - 1);
-}
-bool in_range(std::int64_t first, std::int64_t count, std::size_t size) {
-  return first >= 0 && count >= 0 && first + count <= static_cast<std::int64_t>(size);
-}
-
-using Lumps = std::array<std::span<const std::byte>, lump_count>;
-
-Lumps read_directory(std::span<const std::byte> file) {
-  ByteReader header(file, "header");
-  const auto magic = header.number<std::array<char, 4>>();
-  if (std::string_view(magic.data(), 4) != "IBSP")
-    throw FormatError("header: does not begin with IBSP, so it is no Quake level");
-  if (const auto version = header.number<std::int32_t>(); version != 46) {
-    throw FormatError("header: IBSP version " + std::to_string(version) + "; only 46 (Quake 3) is read");
-  }
-  Lumps lumps;
-  for (int i = 0; i < lump_count; ++i) {
-    const auto offset = header.number<std::int32_t>(), length = header.number<std::int32_t>();
-    if (!in_range(offset, length, file.size())) {
-      refuse(i, std::to_string(length) + " bytes at offset " + std::to_string(offset) +
-                    " lie outside the file of " + std::to_string(file.size()) + " bytes");
-    }
-    lumps[i] = file.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
-  }
-  return lumps;
-}
-
-template <typename Record>
-std::vector<Record> records_of(const Lumps& lumps, int lump) {
-  return read_records<Record>(lumps[lump], name_of(lump));
-}
 
 VisibilityMatrix read_visdata(std::span<const std::byte> lump) {
   if (lump.empty()) refuse(visdata_lump, "empty: this level was compiled without visibility data");
@@ -192,13 +88,12 @@ glm::vec3 in_metres(const std::array<std::int32_t, 3>& corner) {
 }
 
 std::vector<Box> cluster_boxes(std::span<const Leaf> places, std::uint32_t clusters) {
-  std::vector<GrowingBox> grown(clusters);
+  std::vector<Box> boxes(clusters, empty_box);
   for (const Leaf& leaf : places) {
-    grown[leaf.cluster].add(in_metres(leaf.low));
-    grown[leaf.cluster].add(in_metres(leaf.high));
+    grow(boxes[leaf.cluster], in_metres(leaf.low));
+    grow(boxes[leaf.cluster], in_metres(leaf.high));
   }
-  std::vector<Box> boxes;
-  for (const GrowingBox& place : grown) boxes.push_back(place.box());
+  for (Box& box : boxes) box = zero_if_empty(box);
   return boxes;
 }
 
@@ -227,160 +122,6 @@ VisibilityMatrix cluster_neighbours(std::vector<Leaf> places, std::uint32_t clus
   }
   return checked_matrix(neighbours, "neighbours of clusters");
 }
-
-// One scene object a call to add(): grows the scene by a face's triangles and tells where they are.
-class FaceGeometry {
- public:
-  FaceGeometry(const Lumps& lumps, const std::set<std::string>& see_through_shaders)
-      : shaders_(records_of<Shader>(lumps, shaders_lump)),
-        vertices_(records_of<Vertex>(lumps, vertexes_lump)),
-        meshverts_(records_of<std::int32_t>(lumps, meshverts_lump)) {
-    for (Shader& shader : shaders_) {
-      std::string name(shader.name, ::strnlen(shader.name, sizeof shader.name));
-      for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-      if (see_through_shaders.contains(name)) shader.contents |= contents_translucent;
-    }
-    for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      if (!finite(vertices_[i].position)) refuse(vertexes_lump, "vertex", i, "its position is not finite");
-    }
-  }
-
-  Box add(const Face& face, std::size_t number) {
-    const Shader shader = shader_of(face, number);
-    const std::size_t first = scene_.vertices.size(), first_index = scene_.indices.size();
-    GrowingBox places;
-    if (face.type == polygon || face.type == mesh || face.type == patch) {
-      const auto corners = corners_of(face, number);
-      if (face.type == patch) {
-        add_patch(face, number, corners);
-      } else {
-        add_triangles(face, number, corners);
-      }
-    } else if (face.type == billboard) {
-      if (!finite(face.origin)) refuse(faces_lump, "face", number, "its origin is not finite");
-      places.add(face.origin * metres_per_level_unit);
-    }
-    if (std::max(scene_.vertices.size(), scene_.indices.size() / 3) > most_scene_entries) {
-      refuse(faces_lump, "face", number,
-             "the faces up to here make more than " + std::to_string(most_scene_entries) +
-                 " vertices or triangles");
-    }
-    for (std::size_t i = first; i < scene_.vertices.size(); ++i) places.add(scene_.vertices[i]);
-    if ((shader.surface & surface_nodraw) != 0) {  // only bumped into
-      scene_.vertices.resize(first);
-      scene_.indices.resize(first_index);
-    }
-    scene_.see_through.push_back((shader.surface & surface_perhaps_clear) != 0 ||
-                                 (shader.contents & contents_translucent) != 0);
-    scene_.object_of_triangle.resize(scene_.indices.size() / 3, scene_.object_count++);
-    return places.box();
-  }
-
-  Scene take() {
-    const auto& clear = scene_.see_through;
-    if (std::find(clear.begin(), clear.end(), 1) == clear.end()) scene_.see_through.clear();
-    return std::move(scene_);
-  }
-
- private:
-  Shader shader_of(const Face& face, std::size_t number) const {
-    if (shaders_.empty()) return {};
-    if (!in_range(face.shader, 1, shaders_.size())) {
-      refuse(faces_lump, "face", number,
-             "shader " + std::to_string(face.shader) + " of only " + std::to_string(shaders_.size()));
-    }
-    return shaders_[face.shader];
-  }
-
-  static bool finite(const glm::vec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-  }
-
-  std::vector<glm::vec3> corners_of(const Face& face, std::size_t number) const {
-    if (!in_range(face.first_vertex, face.vertices, vertices_.size())) {
-      refuse(faces_lump, "face", number,
-             "vertexes " + range(face.first_vertex, face.vertices) + " of only " +
-                 std::to_string(vertices_.size()));
-    }
-    std::vector<glm::vec3> corners;
-    for (std::int32_t i = 0; i < face.vertices; ++i) {
-      corners.push_back(vertices_[face.first_vertex + i].position * metres_per_level_unit);
-    }
-    return corners;
-  }
-
-  void add_triangles(const Face& face, std::size_t number, std::span<const glm::vec3> corners) {
-    if (!in_range(face.first_index, face.indices, meshverts_.size())) {
-      refuse(faces_lump, "face", number,
-             "meshverts " + range(face.first_index, face.indices) + " of only " +
-                 std::to_string(meshverts_.size()));
-    }
-    if (face.indices % 3 != 0) {
-      refuse(faces_lump, "face", number,
-             std::to_string(face.indices) + " meshverts are no whole number of triangles");
-    }
-    const auto base = static_cast<std::uint32_t>(scene_.vertices.size());
-    scene_.vertices.insert(scene_.vertices.end(), corners.begin(), corners.end());
-    for (std::int32_t i = 0; i < face.indices; ++i) {
-      const std::int32_t index = meshverts_[face.first_index + i];
-      if (index < 0 || index >= face.vertices) {
-        refuse(meshverts_lump, "meshvert", static_cast<std::size_t>(face.first_index + i),
-               "vertex " + std::to_string(index) + " of a face that has " + std::to_string(face.vertices));
-      }
-      scene_.indices.push_back(base + static_cast<std::uint32_t>(index));
-    }
-  }
-
-  // Biquadratic Bezier pieces of 3 x 3 control points that share their borders.
-  void add_patch(const Face& face, std::size_t number, std::span<const glm::vec3> control) {
-    const std::int64_t width = face.width, height = face.height;
-    if (width < 3 || height < 3 || width % 2 == 0 || height % 2 == 0 || width * height != face.vertices) {
-      refuse(faces_lump, "face", number,
-             "a patch of " + std::to_string(width) + " x " + std::to_string(height) +
-                 " control points with " + std::to_string(face.vertices) +
-                 " vertexes; both sides are odd, at least 3, and multiply to them");
-    }
-    const auto base = static_cast<std::uint32_t>(scene_.vertices.size());
-    const auto columns = static_cast<std::uint32_t>((width - 1) / 2 * patch_steps + 1);
-    const auto rows = static_cast<std::uint32_t>((height - 1) / 2 * patch_steps + 1);
-    for (std::uint32_t row = 0; row < rows; ++row) {
-      const Blend down(row, rows);
-      for (std::uint32_t column = 0; column < columns; ++column) {
-        const Blend along(column, columns);
-        glm::vec3 point(0);
-        for (std::size_t j = 0; j < 3; ++j) {
-          for (std::size_t i = 0; i < 3; ++i) {
-            const std::size_t at = (down.first + j) * static_cast<std::size_t>(width) + along.first + i;
-            point += control[at] * (along.weights[i] * down.weights[j]);
-          }
-        }
-        scene_.vertices.push_back(point);
-      }
-    }
-    for (std::uint32_t row = 0; row + 1 < rows; ++row) {
-      for (std::uint32_t column = 0; column + 1 < columns; ++column) {
-        const std::uint32_t a = base + row * columns + column, b = a + columns;
-        scene_.indices.insert(scene_.indices.end(), {a, b, a + 1, a + 1, b, b + 1});
-      }
-    }
-  }
-
-  struct Blend {  // where step `step` of a side lies: on which three control points, with which weights
-    Blend(std::uint32_t step, std::uint32_t steps) {
-      const std::uint32_t piece = std::min(step / patch_steps, (steps - 1) / patch_steps - 1);
-      const float t = static_cast<float>(step - piece * patch_steps) / patch_steps;
-      first = std::size_t{piece} * 2;
-      weights = {(1 - t) * (1 - t), 2 * t * (1 - t), t * t};
-    }
-    std::size_t first;
-    std::array<float, 3> weights;
-  };
-
-  std::vector<Shader> shaders_;
-  std::vector<Vertex> vertices_;
-  std::vector<std::int32_t> meshverts_;
-  Scene scene_;
-};
 
 // How far the compiler let anything be seen, by the first entity's keys, in metres; 0: without limit.
 float far_plane_of(const Lumps& lumps) {

@@ -1,4 +1,4 @@
-// Quake-3 levels: IBSP version 46, as the game, OpenArena and their compilers write it.
+// Reads Quake 3 levels: IBSP version 46, as the game, OpenArena and their compilers write it.
 #pragma once
 #include <cstddef>
 #include <set>
@@ -16,8 +16,8 @@ namespace vismat {
 /// control points; billboards, and faces that are never drawn, have a place but no triangles. What may let light pass, by
 /// its shader's flags or because the shader is named here, in lower case, is see-through (docs/levels.md). Throws FormatError, one line naming lump and
 /// offender, for anything that is not a whole level with visibility data; what it allocates is bounded by the
-/// bytes given and by most_visible_pairs. O(pairs listed + leafs^2 at worst); 0.1 to 20 ms for OpenArena's
-/// levels. Deterministic.
+/// bytes given and by most_visible_pairs. O(pairs listed + leafs^2 at worst).
+/// Deterministic.
 Level parse_quake3_bsp(std::span<const std::byte> file,
                        const std::set<std::string>& see_through_shaders = {});
 

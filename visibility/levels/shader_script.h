@@ -1,4 +1,4 @@
-// What Quake-3 shader scripts say of surfaces that the level's own flags do not.
+// Finds in Quake 3 shader scripts the surfaces that one can see through, which the level's own flags do not tell.
 #pragma once
 #include <set>
 #include <string>

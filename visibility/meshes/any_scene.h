@@ -1,4 +1,4 @@
-// Scenes from whatever file holds triangles.
+// Reads a scene from any kind of file that holds triangles.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,6 @@
 // ALGORITHM. Vertices meet in a hash grid: its squares are the coordinates' bits themselves, or cubes of twice the tolerance, of
 // which eight are within reach of a vertex. Each vertex joins the lowest-numbered one in reach that has joined no other, so that
-// chains of close vertices do not drift, and the order of the table does not matter. Components are sets with path halving.
+// chains of close vertices do not drift, and the order of the table does not matter. Components are the sets of a union-find.
 #include "visibility/meshes/components.h"
 
 #include <algorithm>
@@ -16,6 +16,8 @@
 #include <vector>
 
 #include <glm/geometric.hpp>
+
+#include "matrix/base/union_find.h"
 
 namespace vismat {
 namespace {
@@ -166,12 +168,8 @@ void split_into_components(Scene& scene) {
   // A vertex stands twice: for what is opaque and for what is seen through.
   if (scene.vertices.size() > none / 2)
     throw std::invalid_argument("components: more than 2147483647 vertices");
-  std::vector<std::uint32_t> parent(2 * scene.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  const auto nodes = static_cast<std::uint32_t>(2 * scene.vertices.size());
+  UnionFind joined(nodes);
   const auto clear = [&](std::size_t t) {
     return !scene.see_through.empty() && scene.see_through[scene.object_of_triangle[t]] != 0;
   };
@@ -179,16 +177,13 @@ void split_into_components(Scene& scene) {
     return 2 * scene.indices[3 * t + corner] + clear(t);
   };
   for (std::size_t t = 0; t < scene.object_of_triangle.size(); ++t) {
-    for (const std::size_t corner : {1, 2}) {
-      const std::uint32_t a = root(node(t, 0)), b = root(node(t, corner));
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+    for (const std::size_t corner : {1, 2}) joined.join_sets(node(t, 0), node(t, corner));
   }
-  std::vector<std::uint32_t> object_of_root(parent.size(), none);
+  std::vector<std::uint32_t> object_of_root(nodes, none);
   std::vector<std::uint8_t> see_through;
   std::uint32_t objects = 0;
   for (std::size_t t = 0; t < scene.object_of_triangle.size(); ++t) {
-    std::uint32_t& object = object_of_root[root(node(t, 0))];
+    std::uint32_t& object = object_of_root[joined.find(node(t, 0))];
     if (object == none) {
       object = objects++;
       if (!scene.see_through.empty()) see_through.push_back(clear(t));

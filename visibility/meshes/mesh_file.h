@@ -1,4 +1,4 @@
-// Triangle meshes as other programs write them.
+// Reads triangle meshes as other programs write them: OBJ, PLY, OFF and STL.
 #pragma once
 #include <cstddef>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// PLY files.
+// Reads PLY files.
 #pragma once
 #include <cstddef>
 #include <span>

@@ -1,4 +1,4 @@
-// Points and polygons of a mesh file, and the triangles they become.
+// Collects the points and polygons of a mesh file, and cuts the polygons into triangles.
 #pragma once
 #include <algorithm>
 #include <array>

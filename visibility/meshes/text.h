@@ -1,4 +1,4 @@
-// Words and lines of text files, for the readers of meshes.
+// Splits text files into lines and words, for the readers of meshes.
 #pragma once
 #include <algorithm>
 #include <array>

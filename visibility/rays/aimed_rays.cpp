@@ -16,6 +16,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "matrix/base/z_order.h"
 #include "visibility/rays/seen_along.h"
 
 namespace vismat {
@@ -34,24 +35,15 @@ std::uint32_t place_on_sphere(glm::vec3 d) {
     d.x = std::copysign(1 - std::abs(d.y), x);
     d.y = std::copysign(1 - std::abs(x), d.y);
   }
-  std::uint32_t place = 0;
-  for (const float c : {d.x, d.y}) {
-    const auto bits = static_cast<std::uint32_t>(std::clamp((c + 1) * 512, 0.0f, 1023.0f));
-    place <<= 1;
-    for (unsigned bit = 0; bit < 10; ++bit) place |= (bits >> bit & 1) << (2 * bit);
-  }
-  return place;
+  const auto bits = [](float c) {
+    return static_cast<std::uint32_t>(std::clamp((c + 1) * 512, 0.0f, 1023.0f));
+  };
+  return static_cast<std::uint32_t>(z_order(bits(d.y), bits(d.x)));
 }
 
-bool overlap(const Box& a, const Box& b) {
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    if (!(a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis])) return false;
-  }
-  return true;
-}
-
+/// A box of floats that surely holds the points.
 template <typename Point>
-Box bounds_of(std::span<const Point> points) {
+Box box_outside(std::span<const Point> points) {
   Box box;
   for (int axis = 0; axis < 3; ++axis) {
     const auto [low, high] = std::minmax_element(
@@ -71,21 +63,11 @@ float any_order(unsigned orders, Random& random) {
 }  // namespace
 
 AimedRays::AimedRays(const Scene& scene, const RayCaster& caster)
-    : scene_(scene),
-      caster_(caster),
-      bounds_(object_bounds(scene)),
-      first_triangle_(scene.object_count + 1),
-      triangles_(scene.object_of_triangle.size()) {
-  for (const std::uint32_t object : scene.object_of_triangle) ++first_triangle_[object + 1];
-  for (std::uint32_t o = 0; o < scene.object_count; ++o) first_triangle_[o + 1] += first_triangle_[o];
-  std::vector<std::uint64_t> next(first_triangle_.begin(), first_triangle_.end() - 1);
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) triangles_[next[scene.object_of_triangle[t]]++] = t;
-
+    : scene_(scene), caster_(caster), bounds_(object_bounds(scene)), triangles_(scene) {
   std::vector<double> area_up_to;
   for (std::uint32_t object = 0; object < scene.object_count; ++object) {
     first_patch_.push_back(patches_.size()), first_extreme_.push_back(extremes_.size());
-    const std::span own(triangles_.data() + first_triangle_[object],
-                        triangles_.data() + first_triangle_[object + 1]);
+    const std::span own = triangles_.of(object);
     struct Farthest {
       float along = -std::numeric_limits<float>::infinity();
       std::array<glm::vec3, 2> at{};
@@ -94,7 +76,7 @@ AimedRays::AimedRays(const Scene& scene, const RayCaster& caster)
     double area = 0;
     area_up_to.clear();
     for (const std::uint32_t triangle : own) {
-      const auto [a, b, c] = corners(triangle);
+      const auto [a, b, c] = corners_of(scene_, triangle);
       area_up_to.push_back(
           area += glm::length(glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a))));
       for (const glm::vec3& v : {a, b, c}) {
@@ -117,15 +99,10 @@ AimedRays::AimedRays(const Scene& scene, const RayCaster& caster)
     for (std::size_t i = 0, at = 0; i < patches; ++i) {
       const double middle = area * (static_cast<double>(i) + 0.5) / static_cast<double>(patches);
       while (area_up_to[at] < middle) ++at;
-      patches_.push_back(corners(own[patches == own.size() ? i : at]));
+      patches_.push_back(corners_of(scene_, own[patches == own.size() ? i : at]));
     }
   }
   first_patch_.push_back(patches_.size()), first_extreme_.push_back(extremes_.size());
-}
-
-std::array<glm::vec3, 3> AimedRays::corners(std::uint32_t triangle) const {
-  const std::uint32_t* index = &scene_.indices[std::size_t{3} * triangle];
-  return {scene_.vertices[index[0]], scene_.vertices[index[1]], scene_.vertices[index[2]]};
 }
 
 glm::vec3 AimedRays::point_of(std::uint32_t object, Random& random) const {
@@ -151,19 +128,18 @@ glm::dvec3 AimedRays::beside(std::uint32_t object, Random& random) const {
   };
   const glm::dvec3 a = vertex(), b = vertex();
   const glm::dvec3 on = glm::mix(a, b, random.fraction());
-  const Box& box = bounds_[object];
-  glm::dvec3 middle;
-  for (int axis = 0; axis < 3; ++axis) middle[axis] = (box.low[axis] + box.high[axis]) * 0.5;
+  const auto [x, y, z] = centre_of(bounds_[object]);
+  const glm::dvec3 middle(x, y, z);
   return on + (on - middle) * static_cast<double>(any_order(16, random));
 }
 
 std::optional<glm::vec3> AimedRays::touch(const CellPoints& cell, const Box& box,
                                           std::uint32_t object) const {
-  if (!overlap(box, bounds_[object])) return {};
-  for (std::uint64_t i = first_triangle_[object]; i < first_triangle_[object + 1]; ++i) {
-    const std::array<glm::vec3, 3> triangle = corners(triangles_[i]);
-    if (!overlap(box, bounds_of<glm::vec3>(triangle))) continue;
-    if (const auto common = cell.common_point(triangle)) return common;
+  if (!meet(box, bounds_[object])) return {};
+  for (const std::uint32_t triangle : triangles_.of(object)) {
+    const std::array<glm::vec3, 3> corners = corners_of(scene_, triangle);
+    if (!meet(box, box_outside<glm::vec3>(corners))) continue;
+    if (const auto common = cell.common_point(corners)) return common;
   }
   return {};
 }
@@ -199,18 +175,15 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
   std::vector<Aim> aims;
   constexpr std::uint32_t none = 0xffffffff;
   std::vector<std::uint32_t> aim_of_object(scene_.object_count, none);
-  const Box box = bounds_of<glm::dvec3>(cell.cell().vertices);
+  const Box box = box_outside<glm::dvec3>(cell.cell().vertices);
   const glm::vec3 here = cell.within((cell.cell().vertices.front() + cell.cell().vertices.back()) * 0.5);
   for (const std::uint32_t object : targets) {
     const std::optional<glm::vec3> common = touch(cell, box, object);
     if (common) {
       seen.objects.push_back({object, {*common, *common}});
     } else if (first_extreme_[object] < first_extreme_[object + 1]) {
-      const glm::vec3 middle =
-          (glm::vec3(bounds_[object].low[0], bounds_[object].low[1], bounds_[object].low[2]) +
-           glm::vec3(bounds_[object].high[0], bounds_[object].high[1], bounds_[object].high[2])) *
-          0.5f;
-      aims.push_back({place_on_sphere(middle - here), object});
+      const auto [x, y, z] = centre_of(bounds_[object]);
+      aims.push_back({place_on_sphere(glm::vec3(x, y, z) - here), object});
     }
   }
   std::sort(aims.begin(), aims.end(), [](const Aim& a, const Aim& b) {

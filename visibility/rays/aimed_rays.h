@@ -1,4 +1,4 @@
-// Rays from one view cell at given objects.
+// Casts rays from one view cell at given objects.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -21,11 +21,11 @@ struct SeenObject {
   bool operator==(const SeenObject&) const = default;
 };
 
-/// Finds objects that are seen from a view cell; may miss, never invents. Every sight line was traced as it is given: the first
+/// Finds objects that are seen from a view cell; may miss some, and never invents one. Every sight line was traced as it is given: the first
 /// thing on the way from `from` to `to` is the object, at `to` but for rounding. May be shared by threads.
 class AimedRays {
  public:
-  /// Keeps both. A million triangles take 0.2 s.
+  /// Borrows both. O(triangles).
   AimedRays(const Scene& scene, const RayCaster& caster);
 
   /// Ascending by object, none twice. `rays` is how many were cast.
@@ -49,7 +49,6 @@ class AimedRays {
   const std::vector<Box>& bounds() const { return bounds_; }  // of the objects
 
  private:
-  std::array<glm::vec3, 3> corners(std::uint32_t triangle) const;
   glm::vec3 extreme_of(std::uint32_t object, Random& random) const;
   glm::dvec3 beside(std::uint32_t object, Random& random) const;
   std::optional<glm::vec3> touch(const CellPoints& cell, const Box& box, std::uint32_t object) const;
@@ -58,11 +57,11 @@ class AimedRays {
   const RayCaster& caster_;
   std::vector<Box> bounds_;
   // What belongs to an object lies together; object o's begins at first_..._[o], objects + 1 of each.
-  std::vector<std::uint64_t> first_triangle_, first_patch_, first_extreme_;
-  std::vector<std::uint32_t> triangles_;
+  ObjectTriangles triangles_;
+  std::vector<std::uint64_t> first_patch_, first_extreme_;
   std::vector<std::array<glm::vec3, 3>> patches_;  // some of its triangles, evenly by area
-  std::vector<std::array<glm::vec3, 2>>
-      extremes_;  // a vertex that lies farthest out, and the middle of its triangle
+  /// A vertex that lies farthest out, and the middle of its triangle.
+  std::vector<std::array<glm::vec3, 2>> extremes_;
 };
 
 }  // namespace vismat

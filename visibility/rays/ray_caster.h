@@ -1,4 +1,4 @@
-// Rays through a scene, by Embree.
+// Casts rays through a scene, by Embree.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -24,8 +24,7 @@ class RayCaster {
  public:
   static constexpr unsigned width = 16;
 
-  /// Throws std::runtime_error if Embree cannot start. Coordinates must be finite. Keeps no reference to the scene. A
-  /// million triangles take 1.7 s.
+  /// Throws std::runtime_error if Embree cannot start. Coordinates must be finite. Keeps no reference to the scene.
   explicit RayCaster(const Scene& scene);
   ~RayCaster();
   RayCaster(RayCaster&&) noexcept;

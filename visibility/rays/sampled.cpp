@@ -122,20 +122,7 @@ std::vector<glm::vec3> sample_points(const CellPoints& cell) {
 class CellTree {
  public:
   explicit CellTree(const ViewCells& cells)
-      : tree_(bounding_volume_tree(cell_bounds(cells))), bounds_(tree_.size()) {
-    const std::vector<Box> boxes = cell_bounds(cells);
-    for (std::uint32_t node = tree_.size(); node-- > 0;) {
-      const std::uint32_t cell = tree_.object_of_node()[node];
-      Box& box = bounds_[node];
-      box = cell != ObjectTree::none ? boxes[cell] : bounds_[tree_.children(node).front()];
-      for (const std::uint32_t child : tree_.children(node)) {
-        for (unsigned axis = 0; axis < 3; ++axis) {
-          box.low[axis] = std::min(box.low[axis], bounds_[child].low[axis]);
-          box.high[axis] = std::max(box.high[axis], bounds_[child].high[axis]);
-        }
-      }
-    }
-  }
+      : tree_(bounding_volume_tree(cell_bounds(cells))), bounds_(node_bounds(tree_, cell_bounds(cells))) {}
 
   /// Calls met(cell) for each whose box from + t * direction, t in [0, limit], meets.
   template <typename Met>

@@ -1,4 +1,4 @@
-// What view cells see, by rays: aggressive, may miss, never invents.
+// Finds what view cells see by sampling rays: the result may miss objects and never invents one.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -24,9 +24,7 @@ struct SampledOptions {
 /// they miss; each new sight line, drawn out to what stops it backwards, is given to all cells that it crosses; then the next
 /// round, where what the cells next to it see is looked for first. `not_hidden`, cells x objects: objects hidden there for sure
 /// are not looked for. Throws std::invalid_argument for options out of range and a not_hidden of another shape. Same arguments,
-/// same bytes, whatever the crew. 35 ms a cell and core with the defaults, 99 % of
-/// dense_reference() (city of 1.2 M triangles in 2752 objects). Where thousands of small objects are seen at once it takes
-/// more: in a plant of 5861 pipes 100,000 rays find 79 % in 80 ms, 400,000 find 98 % in 250 ms.
+/// same bytes, whatever the crew. Where thousands of small objects are seen at once it takes more rays.
 ///
 /// degree_of_visibility: of an object from a cell, the greatest share of all directions, 4 pi, in which it is the first
 /// thing seen (see-through ones: seen at all) from any of nine points: the cell's centre, and its vertices moved a sixteenth of
@@ -58,7 +56,7 @@ std::vector<HeldBack> held_back_error(const AimedRays& rays, const ViewCells& ce
 double missed_at_most(std::uint64_t missed, std::uint64_t of, double confidence = 0.95);
 
 /// What to measure producers by, a row for each of `ids`: cube maps of 6 x 96^2 rays from each vertex of the cell and 40 random
-/// points of its boundary, then 1500 rays at each object not seen yet. About 4 M rays a cell, half a second.
+/// points of its boundary, then 1500 rays at each object not seen yet.
 VisibilityMatrix dense_reference(const AimedRays& rays, const ViewCells& cells,
                                  std::span<const std::uint32_t> ids, Crew& crew,
                                  const Progress& progress = {});

@@ -1,4 +1,4 @@
-// What rays see: the first thing that stops them, and what is see-through before it.
+// Finds what rays see: the first thing that stops them, and what is see-through before it.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -19,8 +19,7 @@ std::array<Hit, RayCaster::width> see_along(const Scene& scene, const RayCaster&
   const auto hits = caster.hits(origins, directions, count, coherent);
   for (unsigned ray = 0; ray < count; ++ray) {
     for (const std::uint32_t triangle : caster.passed(origins[ray], directions[ray], hits[ray].distance)) {
-      const std::uint32_t* index = &scene.indices[std::size_t{3} * triangle];
-      const glm::dvec3 a(scene.vertices[index[0]]), b(scene.vertices[index[1]]), c(scene.vertices[index[2]]);
+      const auto [a, b, c] = corners_of<glm::dvec3>(scene, triangle);
       const glm::dvec3 normal = glm::cross(b - a, c - a);
       const double distance =
           glm::dot(normal, a - glm::dvec3(origins[ray])) / glm::dot(normal, glm::dvec3(directions[ray]));

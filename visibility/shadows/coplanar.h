@@ -1,4 +1,4 @@
-// The flat faces of a mesh: triangles of one plane that hang together.
+// Finds the flat faces of a mesh: connected triangles of one plane.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace vismat {
 
-/// Its surface, seen along the normal, has no fold, and no edges but `outline`.
+/// A flat face. Its surface, seen along the normal, has no fold, and no edges but `outline`.
 struct CoplanarFace {
   std::vector<std::uint32_t> triangles;
   std::vector<std::array<std::uint32_t, 2>>

@@ -8,6 +8,7 @@
 #include "visibility/shadows/inner_boxes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/common.hpp>
@@ -73,13 +74,13 @@ std::vector<double> grid_lines(std::vector<Plane> squares, double low, double hi
 }
 
 Grid grid_of(const Mesh& mesh, double tolerance) {
-  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  Bounds whole;
   std::array<std::vector<Plane>, 3> squares;
   double area = 0, square_area = 0;
   for (const std::array<std::uint32_t, 3>& t : mesh.triangles) {
     const glm::dvec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    const glm::dvec3 least = glm::min(glm::min(a, b), c), most = glm::max(glm::max(a, b), c);
-    low = glm::min(low, least), high = glm::max(high, most);
+    const auto [least, most] = bounds_of(std::array{a, b, c});
+    grow(whole, least), grow(whole, most);
     const double this_area = glm::length(glm::cross(b - a, c - a)) / 2;
     area += this_area;
     for (int axis = 0; axis < 3; ++axis) {
@@ -92,7 +93,8 @@ Grid grid_of(const Mesh& mesh, double tolerance) {
   const bool all_square = square_area >= 0.999 * area;
   Grid grid;
   for (int axis = 0; axis < 3; ++axis) {
-    grid.lines[axis] = grid_lines(std::move(squares[axis]), low[axis], high[axis], all_square, tolerance);
+    grid.lines[axis] =
+        grid_lines(std::move(squares[axis]), whole.low[axis], whole.high[axis], all_square, tolerance);
   }
   return grid;
 }
@@ -117,8 +119,7 @@ void mark_inside(const Mesh& mesh, Grid& grid) {
   };
   for (const std::array<std::uint32_t, 3>& t : mesh.triangles) {
     const std::array<glm::dvec3, 3> at = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-    const glm::dvec3 least = glm::min(glm::min(at[0], at[1]), at[2]),
-                     most = glm::max(glm::max(at[0], at[1]), at[2]);
+    const auto [least, most] = bounds_of(at);
     const auto [x0, x1] = cells_between(xs, least.x, most.x);
     const auto [y0, y1] = cells_between(ys, least.y, most.y);
     const auto [z0, z1] = cells_between(zs, least.z, most.z);
@@ -127,7 +128,7 @@ void mark_inside(const Mesh& mesh, Grid& grid) {
       for (std::size_t x = x0; x < x1; ++x) {
         for (std::size_t z = z0; z < z1; ++z) {
           std::uint8_t& mark = entered[grid.cell(x, y, z)];
-          if (!mark) mark = enters_box(at, {xs[x], ys[y], zs[z]}, {xs[x + 1], ys[y + 1], zs[z + 1]});
+          if (!mark) mark = enters_box(at, {{xs[x], ys[y], zs[z]}, {xs[x + 1], ys[y + 1], zs[z + 1]}});
         }
         if (normal.z == 0) continue;
         const double px = ray(xs, x, 0.4142), py = ray(ys, y, 0.5772);
@@ -238,8 +239,8 @@ Best largest_box(const Grid& grid, double smallest) {
 
 }  // namespace
 
-std::vector<InnerBox> inner_boxes(const Mesh& mesh, unsigned most, double smallest, double tolerance) {
-  std::vector<InnerBox> boxes;
+std::vector<Bounds> inner_boxes(const Mesh& mesh, unsigned most, double smallest, double tolerance) {
+  std::vector<Bounds> boxes;
   if (mesh.triangles.empty()) return boxes;
   Grid grid = grid_of(mesh, tolerance);
   for (int axis = 0; axis < 3; ++axis) {
@@ -259,9 +260,9 @@ std::vector<InnerBox> inner_boxes(const Mesh& mesh, unsigned most, double smalle
         for (std::size_t i = x[0]; i < x[1]; ++i) used[grid.cell(i, j, k)] = 1;
       }
     }
-    const InnerBox box = {{grid.lines[0][x[0]], grid.lines[1][y[0]], grid.lines[2][z[0]]},
-                          {grid.lines[0][x[1]], grid.lines[1][y[1]], grid.lines[2][z[1]]}};
-    if (!enters_box(mesh, box.low, box.high) && winding_number(mesh, (box.low + box.high) / 2.0) != 0) {
+    const Bounds box = {{grid.lines[0][x[0]], grid.lines[1][y[0]], grid.lines[2][z[0]]},
+                        {grid.lines[0][x[1]], grid.lines[1][y[1]], grid.lines[2][z[1]]}};
+    if (!enters_box(mesh, box) && winding_number(mesh, (box.low + box.high) / 2.0) != 0) {
       boxes.push_back(box);
     }
   }

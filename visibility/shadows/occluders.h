@@ -1,19 +1,20 @@
-// What hides: convex pieces of a scene that no sight line passes.
+// Finds occluders: convex pieces of a scene that no sight line passes through.
 #pragma once
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "visibility/geometry/bounds.h"
 #include "visibility/geometry/convex.h"
 #include "visibility/geometry/mesh.h"
 #include "visibility/scene.h"
 
 namespace vismat {
 
-/// A closed surface, and the box round it.
+/// A closed surface, and the box around it.
 struct Enclosure {
   Mesh surface;
-  glm::dvec3 low{}, high{};
+  Bounds bounds;
 };
 
 /// Every segment from a point of a cell that blocks_from() allows, through `shape`, to a point beyond it crosses a triangle of
@@ -28,8 +29,8 @@ struct Occluder {
   /// Above 0: the triangles are flat only up to rounding. Only sight lines are blocked that begin at least this far above the
   /// plane for each metre to the polygon's farthest corner.
   double grazing = 0;
-  bool one_sided =
-      false;  // the polygon lies behind all of the triangles: only for cells on the side of faces[0]
+  /// The polygon lies behind all of the triangles: it blocks only for cells on the side of faces[0].
+  bool one_sided = false;
 };
 
 struct OccluderOptions {
@@ -45,11 +46,11 @@ struct OccluderOptions {
 /// The least z of all triangles; 0 for a scene without any.
 float lowest_point(const Scene& scene);
 
-/// Per object, from its triangles with vertices joined that are equal bit for bit, whichever way they are turned, part by
-/// part as they hang together by sides: closed and convex parts (faces may be tessellated) as one solid; the largest boxes
+/// Per object, from its triangles with vertices joined that are equal bit for bit, whichever way they are turned, for each
+/// part that sides connect: closed and convex parts (faces may be tessellated) as one solid; the largest boxes
 /// inside other closed ones, axis-aligned or turned about z; the largest convex polygons of flat faces of what is not closed,
 /// and of closed parts faces that are larger than any side of their boxes. Objects that are see-through, or not finite, have
-/// none. Ascending by object. Deterministic. A million triangles take seconds on one core.
+/// none. Ascending by object. Deterministic.
 ///
 /// Sound by one lemma: a convex shape whose interior no triangle of a closed surface enters, and round one point of which the
 /// surface winds, lies inside; for polygons the same one dimension lower, with the face's outline. Both are tested against

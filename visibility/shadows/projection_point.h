@@ -1,4 +1,4 @@
-// From which point of a view cell its occluders are best projected.
+// Chooses the point of a view cell from which its occluders are best projected.
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -12,8 +12,8 @@ namespace vismat {
 
 /// How an occluder shrinks, seen from point v of the cell: to s = (dot(normal, v) - plane) / (apex - plane) of its size.
 struct Shrinkage {
-  glm::dvec3
-      normal{};  // unit length, towards the cell; of a solid: the mean of the faces that see all of the cell
+  /// Unit length, towards the cell; of a solid: the mean of the faces that see all of the cell.
+  glm::dvec3 normal{};
   double plane = 0;   // dot(normal, x) where the occluder is
   double apex = 0;    // and at the farthest point between its supporting planes, where s is 1
   double weight = 0;  // solid angle, seen from the cell's middle

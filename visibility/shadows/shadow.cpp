@@ -22,21 +22,13 @@
 #include <utility>
 
 #include "visibility/geometry/bounding_volume_tree.h"
+#include "visibility/geometry/bounds.h"
 #include "visibility/shadows/shadow_buffer.h"
 
 namespace vismat {
 namespace {
 
 using Objects = std::vector<std::uint32_t>;
-
-Box united(const Box& a, const Box& b) {
-  Box both;
-  for (int axis = 0; axis < 3; ++axis) {
-    both.low[axis] = std::min(a.low[axis], b.low[axis]);
-    both.high[axis] = std::max(a.high[axis], b.high[axis]);
-  }
-  return both;
-}
 
 double squared_distance(const Box& box, const glm::dvec3& point) {
   double sum = 0;
@@ -45,18 +37,6 @@ double squared_distance(const Box& box, const glm::dvec3& point) {
     sum += gap * gap;
   }
   return sum;
-}
-
-bool touch(const Convex& cell, const Box& box) {
-  for (int axis = 0; axis < 3; ++axis) {
-    double low = cell.vertices[0][axis], high = low;
-    for (const glm::dvec3& vertex : cell.vertices) {
-      low = std::min(low, vertex[axis]);
-      high = std::max(high, vertex[axis]);
-    }
-    if (high < box.low[axis] || low > box.high[axis]) return false;
-  }
-  return true;
 }
 
 glm::dvec3 middle(std::span<const glm::dvec3> points) {
@@ -151,14 +131,7 @@ Shadows::Shadows(const Scene& scene, std::vector<Occluder> occluders) {
   std::partial_sum(data->first_occluder.begin(), data->first_occluder.end(), data->first_occluder.begin());
   data->bounds = object_bounds(scene);
   data->tree = bounding_volume_tree(data->bounds);
-  data->node_bounds.resize(data->tree.size());
-  for (std::uint32_t node = data->tree.size(); node-- > 0;) {
-    const std::uint32_t object = data->tree.object_of_node()[node];
-    const auto children = data->tree.children(node);
-    Box& box = data->node_bounds[node];
-    box = object != ObjectTree::none ? data->bounds[object] : data->node_bounds[children.front()];
-    for (const std::uint32_t child : children) box = united(box, data->node_bounds[child]);
-  }
+  data->node_bounds = node_bounds(data->tree, data->bounds);
   double reach = 0;
   if (!data->node_bounds.empty()) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -344,7 +317,8 @@ Objects Shadows::View::Work::refine(const Convex& cell, std::span<const std::uin
     Objects around, left;
   };
   std::vector<char> open(data.bounds.size(), 0);  // may turn out to be hidden
-  for (const std::uint32_t object : candidates) open[object] = !touch(cell, data.bounds[object]);
+  const Bounds of_cell = bounds_of(cell.vertices);
+  for (const std::uint32_t object : candidates) open[object] = !meet(of_cell, bounds_of(data.bounds[object]));
   const auto close = [&](const Objects& objects) {
     for (const std::uint32_t object : objects) open[object] = 0;
   };

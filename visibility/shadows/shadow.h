@@ -1,5 +1,5 @@
-// Which objects are surely hidden from a view cell: shrunk shadows of single occluders, and their fusion over patches of the
-// cell's boundary.
+// Finds the objects that are surely hidden from a view cell, by shrunk shadows of single occluders and by the fusion of these over
+// patches of the cell's boundary.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -17,10 +17,10 @@ namespace vismat {
 
 struct ShadowOptions {
   std::uint32_t resolution = 512;  // pixels a side of each of six faces
-  std::uint32_t points =
-      1;  // projection points whose shadows are joined: 1 (centre), 9 (and corners), 27 (and edges, faces)
-  std::optional<ProjectionObjective>
-      best_point;  // one more point, found for the occluders that the first shows
+  /// Projection points whose shadows are joined: 1 (the centre), 9 (and the corners), 27 (and middles of edges and faces).
+  std::uint32_t points = 1;
+  /// One more point, found for the occluders that the first shows.
+  std::optional<ProjectionObjective> best_point;
   /// The only point instead, for comparison: given the cell and how the occluders shrink that its centre shows. A point of the cell.
   std::function<glm::dvec3(const Convex&, std::span<const Shrinkage>)> only_point;
   std::uint32_t patches = 0;  // views from patches of the cell's boundary, at most; 0: the whole cell at once
@@ -30,8 +30,8 @@ struct ShadowOptions {
 /// A flat piece of a view cell's boundary, or all of the cell.
 struct Patch {
   std::vector<glm::dvec3> corners;  // in order around it; of a whole cell: its vertices
-  std::optional<Plane>
-      beyond;  // only what lies inside of this plane is looked at through it; none: everything is
+  /// Only what lies inside of this plane is looked at through the patch; none: everything is.
+  std::optional<Plane> beyond;
 };
 
 /// What hides an object from a view cell, for verification.
@@ -39,8 +39,8 @@ struct HiddenWitness {
   struct Part {
     Patch patch;
     glm::dvec3 point{};  // of the patch, from where the shadows were cast
-    std::vector<std::uint32_t>
-        occluders;  // each point of the object beyond the patch lies in the shadow of one of them
+    /// Each point of the object beyond the patch lies in the shadow of one of them.
+    std::vector<std::uint32_t> occluders;
   };
   std::vector<Part> parts;  // their patches cover all that a sight line from the cell to the object can pass
 };

@@ -1,4 +1,4 @@
-// What a point sees of shrunk occluders: depths all around it, and whether a box lies behind them.
+// A depth buffer all around a point, which tells whether a box lies behind the shrunk occluders drawn in it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,10 +18,10 @@ class ShadowBuffer {
  public:
   explicit ShadowBuffer(std::uint32_t resolution);  // a power of two, 16 to 4096; std::invalid_argument
 
-  /// Nothing is hidden; seen from `point`. With `names`, what each pixel shows is kept too.
+  /// Starts again from `point`, from where nothing is hidden. With `names`, what each pixel shows is kept too.
   void clear(const glm::dvec3& point, bool names = false);
-  /// The part of a solid that lies within the cone from the point bounded by the directions of `planes` (paper 000, section
-  /// 5.2: the occluder clipped to the frustum with planes parallel to its supporting ones). The point lies outside the
+  /// The part of a solid that lies within the cone from the point bounded by the directions of `planes` ([Chhugani et al. 2005,
+  /// 5.2]: the occluder clipped to the frustum with planes parallel to its supporting ones). The point lies outside the
   /// solid. True if a pixel was covered.
   bool draw(const Convex& shape, std::span<const Plane> planes, std::uint32_t name = 0);
   /// True if every point of the box lies behind what was drawn.

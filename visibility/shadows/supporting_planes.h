@@ -1,4 +1,4 @@
-// The planes between which a view cell and an occluder lie, and which bound the occluder's umbra.
+// Finds the supporting planes of a view cell and an occluder, which bound the occluder's umbra.
 #pragma once
 #include <glm/vec3.hpp>
 #include <vector>

@@ -1,0 +1,33 @@
+// Makes triangles of the faces of a Quake 3 level.
+#pragma once
+#include <set>
+#include <string>
+#include <vector>
+
+#include "matrix/box.h"
+#include "visibility/levels/quake3_lumps.h"
+#include "visibility/scene.h"
+
+namespace vismat::quake3 {
+
+/// A scene that grows by a face, which is one object, at a call to add(). Throws FormatError for lumps that do not fit.
+class FaceGeometry {
+ public:
+  FaceGeometry(const Lumps& lumps, const std::set<std::string>& see_through_shaders);
+  /// Adds a face's triangles, in metres, and returns their box. Faces that are only bumped into have none in the scene.
+  Box add(const Face& face, std::size_t number);
+  Scene take();
+
+ private:
+  Shader shader_of(const Face& face, std::size_t number) const;
+  std::vector<glm::vec3> corners_of(const Face& face, std::size_t number) const;
+  void add_triangles(const Face& face, std::size_t number, std::span<const glm::vec3> corners);
+  void add_patch(const Face& face, std::size_t number, std::span<const glm::vec3> control);
+
+  std::vector<Shader> shaders_;
+  std::vector<Vertex> vertices_;
+  std::vector<std::int32_t> meshverts_;
+  Scene scene_;
+};
+
+}  // namespace vismat::quake3
