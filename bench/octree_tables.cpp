@@ -40,9 +40,9 @@ std::string lines_of(const std::string& name, const std::vector<double>& shares,
   const SceneFile file = octree_scene(name);
   const LevelsOfDetail lods(file.scene);
   const Shadows shadows(file.scene, find_occluders(file.scene));
-  ThreadCrew crew;
+  ThreadJobRunner runner;
   const VisibleTriangles count = [&](const ViewCells& cells) {
-    const Sight sight = see_bounds(shadows, nullptr, cells, effort(0), crew);
+    const Sight sight = see_bounds(shadows, nullptr, cells, effort(0), runner);
     std::vector<std::uint64_t> triangles(cells.count());
     parallel_for(cells.count(), 0, [&](std::uint64_t i) {
       triangles[i] =

@@ -58,8 +58,8 @@ class Failures {
     Study study("", scene, std::move(cells));
     for (auto& [name, these] : occluders) {
       const Shadows shadows(scene, std::move(these));
-      study.run("shadow", name, true, false, [&](const ViewCells& part, Crew& crew) {
-        return see_bounds(shadows, nullptr, part, effort(0), crew);
+      study.run("shadow", name, true, false, [&](const ViewCells& part, JobRunner& runner) {
+        return see_bounds(shadows, nullptr, part, effort(0), runner);
       });
     }
     add(what, value, study);
@@ -110,9 +110,10 @@ void sizes(Failures& failures) {
     for (const std::uint32_t resolution : {32, 64, 128, 256, 512, 1024, 2048}) {
       BoundsOptions options = effort(0);
       options.shadow.resolution = resolution;
-      study.run("shadow", std::to_string(resolution), true, false, [&](const ViewCells& part, Crew& crew) {
-        return see_bounds(shadows, nullptr, part, options, crew);
-      });
+      study.run("shadow", std::to_string(resolution), true, false,
+                [&](const ViewCells& part, JobRunner& runner) {
+                  return see_bounds(shadows, nullptr, part, options, runner);
+                });
     }
     failures.add("raster", "", study);
   }
@@ -120,8 +121,8 @@ void sizes(Failures& failures) {
     Study study("", city.scene, failures.places(resized(city.cells, side / 4)));
     for (const unsigned level : {0, 1}) {
       study.run(level == 0 ? "shadow" : "sandwich", "effort " + std::to_string(level), true, level > 0,
-                [&](const ViewCells& part, Crew& crew) {
-                  return see_bounds(shadows, &study.rays(), part, effort(level), crew);
+                [&](const ViewCells& part, JobRunner& runner) {
+                  return see_bounds(shadows, &study.rays(), part, effort(level), runner);
                 });
     }
     failures.add("cell", number(side), study);
@@ -231,8 +232,8 @@ void walls(Failures& failures) {
     add_targets(scene);
     // The five columns at |x| < 6 are seen through the gap from the cell's points 1 m to either side: (40 - 10) / 9 = 3.3 m.
     const Shadows shadows(scene, find_occluders(scene));
-    ThreadCrew crew;
-    const Sight sight = see_bounds(shadows, nullptr, one_cell(middle_cell)[0], effort(0), crew);
+    ThreadJobRunner runner;
+    const Sight sight = see_bounds(shadows, nullptr, one_cell(middle_cell)[0], effort(0), runner);
     for (std::uint32_t object = 2; object < scene.object_count; ++object) {
       const int column = static_cast<int>((object - 2) / 9) - 4;
       const auto row = sight.not_hidden.row(0);

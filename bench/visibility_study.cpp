@@ -160,9 +160,9 @@ Study::Study(std::string name, const Scene& scene, std::vector<ViewCells> places
       rays_(scene, caster_) {}
 
 void Study::run(const std::string& producer, const std::string& settings, bool tells_hidden, bool tells_seen,
-                const std::function<Sight(const ViewCells&, Crew&)>& produce, double preparing_ms) {
+                const std::function<Sight(const ViewCells&, JobRunner&)>& produce, double preparing_ms) {
   Run run{producer, settings, tells_hidden, tells_seen, {}, {}, {}, {}, preparing_ms};
-  ThreadCrew one(1);
+  ThreadJobRunner one(1);
   for (const ViewCells& cells : places_) {
     const double wall = wall_seconds(), busy = processor_seconds();
     const Sight sight = produce(cells, one);
@@ -184,8 +184,8 @@ std::string Study::lines(std::uint64_t& wrong) {
   const ViewCells all = joined(places_);
   std::vector<std::uint32_t> ids(all.count());
   std::iota(ids.begin(), ids.end(), 0);
-  ThreadCrew crew;
-  const VisibilityMatrix dense = dense_reference(rays_, all, ids, crew);
+  ThreadJobRunner runner;
+  const VisibilityMatrix dense = dense_reference(rays_, all, ids, runner);
   std::vector<Objects> reference(ids.size());
   double known = 0;
   for (const std::uint32_t i : ids) {

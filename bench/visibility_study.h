@@ -54,7 +54,7 @@ class Study {
   const AimedRays& rays() const { return rays_; }
 
   void run(const std::string& producer, const std::string& settings, bool tells_hidden, bool tells_seen,
-           const std::function<Sight(const ViewCells&, Crew&)>& produce, double preparing_ms = 0);
+           const std::function<Sight(const ViewCells&, JobRunner&)>& produce, double preparing_ms = 0);
 
   static constexpr const char* header =
       "scene,triangles,objects,cells,producer,settings,ms_median,ms_least,ms_most,wall_ms,preparing_ms,not_"

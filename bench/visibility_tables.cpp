@@ -56,7 +56,9 @@ void add_shadows(Study& study, const Shadows& shadows, double preparing_ms) {
     bounds.shadow = options;
     study.run(
         producer, settings, true, false,
-        [&](const ViewCells& cells, Crew& crew) { return see_bounds(shadows, nullptr, cells, bounds, crew); },
+        [&](const ViewCells& cells, JobRunner& runner) {
+          return see_bounds(shadows, nullptr, cells, bounds, runner);
+        },
         preparing_ms);
   };
   for (const std::uint32_t resolution : {128, 256, 512, 1024}) {
@@ -94,15 +96,15 @@ void add_rays(Study& study, const Shadows& shadows, double preparing_ms, bool lo
     SampledOptions options;
     options.rays = budget;
     study.run("sampled", std::to_string(budget) + " rays a round", false, true,
-              [&](const ViewCells& cells, Crew& crew) {
-                return see_by_sampling(study.rays(), cells, options, crew);
+              [&](const ViewCells& cells, JobRunner& runner) {
+                return see_by_sampling(study.rays(), cells, options, runner);
               });
   }
   const auto sandwich = [&](const std::string& settings, const BoundsOptions& options) {
     study.run(
         "sandwich", settings, true, true,
-        [&](const ViewCells& cells, Crew& crew) {
-          return see_bounds(shadows, &study.rays(), cells, options, crew);
+        [&](const ViewCells& cells, JobRunner& runner) {
+          return see_bounds(shadows, &study.rays(), cells, options, runner);
         },
         preparing_ms);
   };

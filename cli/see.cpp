@@ -11,7 +11,7 @@
 #include "cli/verbs.h"
 #include "matrix/base/checksum.h"
 #include "matrix/files/dataset_file.h"
-#include "programs/crew.h"
+#include "programs/jobs.h"
 #include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
@@ -60,36 +60,36 @@ BoundsOptions bounds_options(const Arguments& arguments) {
   return options;
 }
 
-/// The same crew; each stage's name begins with the prefix, since a name may stand once in a run.
-class Prefixed : public Crew {
+/// The same runner; each stage's name begins with the prefix, since a name may stand once in a run.
+class Prefixed : public JobRunner {
  public:
-  Prefixed(Crew& crew, std::string prefix) : crew_(crew), prefix_(std::move(prefix)) {}
+  Prefixed(JobRunner& runner, std::string prefix) : runner_(runner), prefix_(std::move(prefix)) {}
   std::vector<Piece> run(const std::string& stage, std::uint64_t count,
                          const std::function<Piece(std::uint64_t)>& piece,
                          const Progress& progress) override {
-    return crew_.run(prefix_ + stage, count, piece, progress);
+    return runner_.run(prefix_ + stage, count, piece, progress);
   }
-  bool leads() const override { return crew_.leads(); }
+  bool leads() const override { return runner_.leads(); }
 
  private:
-  Crew& crew_;
+  JobRunner& runner_;
   std::string prefix_;
 };
 
-Stages show_stages(const Crew& crew) {
-  if (!crew.leads()) return {};
+Stages show_stages(const JobRunner& runner) {
+  if (!runner.leads()) return {};
   return [](const char* stage) { return show_progress(stage); };
 }
 
 /// For the octree: triangles of each cell's vLOD, over what one shadow view does not hide.
-VisibleTriangles count_triangles(const Scene& scene, Crew& crew) {
+VisibleTriangles count_triangles(const Scene& scene, JobRunner& runner) {
   return [&, level = 0, lods = std::shared_ptr<LevelsOfDetail>()](const ViewCells& cells) mutable {
     if (!lods) {
       lods = std::make_shared<LevelsOfDetail>(
-          scene, Screen{}, 0u, crew.leads() ? show_progress("simplifying objects") : Progress{});
+          scene, Screen{}, 0u, runner.leads() ? show_progress("simplifying objects") : Progress{});
     }
-    Prefixed on_level(crew, "octree " + std::to_string(level++) + ", ");
-    const Sight sight = see_bounds(scene, cells, effort(0), on_level, show_stages(crew));
+    Prefixed on_level(runner, "octree " + std::to_string(level++) + ", ");
+    const Sight sight = see_bounds(scene, cells, effort(0), on_level, show_stages(runner));
     std::vector<std::uint64_t> triangles(cells.count());
     for (std::uint32_t cell = 0; cell < cells.count(); ++cell) {
       triangles[cell] = lods->visible_triangles(cells.boxes[cell], sight.not_hidden.row(cell));
@@ -155,11 +155,12 @@ void print_states(const Sight& sight, bool rays) {
 
 /// What rays that took no part in the search say of it.
 void print_error(const AimedRays& rays, const ViewCells& cells, const Sight& sight, std::uint64_t seed,
-                 Crew& crew) {
+                 JobRunner& runner) {
   constexpr std::uint32_t rays_a_cell = 1000;
-  const auto held_back = held_back_error(rays, cells, sight.seen, rays_a_cell, seed, crew,
-                                         crew.leads() ? show_progress("checking by other rays") : Progress{});
-  if (!crew.leads()) return;
+  const auto held_back =
+      held_back_error(rays, cells, sight.seen, rays_a_cell, seed, runner,
+                      runner.leads() ? show_progress("checking by other rays") : Progress{});
+  if (!runner.leads()) return;
   std::uint64_t all_rays = 0, missed_rays = 0, objects = 0, missed_objects = 0;
   for (const HeldBack& cell : held_back) {
     all_rays += cell.rays, missed_rays += cell.missed_rays;
@@ -187,7 +188,7 @@ void run_climbing(const Arguments& arguments, const SceneFile& file, const Outpu
 }
 
 void run(const Arguments& arguments) {
-  const auto crew = make_crew(arguments.threads);
+  const auto runner = make_job_runner(arguments.threads);
   const CellsChoice choice = parse_cells(arguments.cells);
   const bool climbing = arguments.producer == "climbing", sampling = arguments.producer == "sampled";
   const BoundsOptions options = bounds_options(arguments);
@@ -208,11 +209,11 @@ void run(const Arguments& arguments) {
   const auto journal =
       climbing
           ? nullptr
-          : keep_journal(*crew, arguments.output,
+          : keep_journal(*runner, arguments.output,
                          "see, scene " + std::to_string(checksum_of(file)) + "; " + chosen + "; " + made);
-  ChosenCells cells = choose_cells(file.scene, file.cells, choice, count_triangles(file.scene, *crew));
+  ChosenCells cells = choose_cells(file.scene, file.cells, choice, count_triangles(file.scene, *runner));
   file.cells = std::move(cells.cells);
-  if (crew->leads()) std::fputs(cells.table.c_str(), stdout);
+  if (runner->leads()) std::fputs(cells.table.c_str(), stdout);
 
   Output output{{}, arguments};
   output.all.provenance =
@@ -224,20 +225,20 @@ void run(const Arguments& arguments) {
   output.all.source.tree = std::move(file.tree);
 
   if (climbing) {
-    if (crew->leads()) run_climbing(arguments, file, output);
+    if (runner->leads()) run_climbing(arguments, file, output);
   } else if (sampling) {
     const RayCaster caster(file.scene);
     const AimedRays rays(file.scene, caster);
-    const Sight sight = see_by_sampling(rays, file.cells, *options.sampled, *crew,
-                                        crew->leads() ? show_progress("looking around") : Progress{});
-    if (crew->leads()) {
+    const Sight sight = see_by_sampling(rays, file.cells, *options.sampled, *runner,
+                                        runner->leads() ? show_progress("looking around") : Progress{});
+    if (runner->leads()) {
       output.write(arguments.output, sight.seen, Guarantee::aggressive, made, sight.lines, sight.degree);
       std::printf("  %s rays\n", grouped(sight.rays).c_str());
     }
-    print_error(rays, file.cells, sight, arguments.seed, *crew);
+    print_error(rays, file.cells, sight, arguments.seed, *runner);
   } else {
-    const Sight sight = see_bounds(file.scene, file.cells, options, *crew, show_stages(*crew));
-    if (crew->leads()) {
+    const Sight sight = see_bounds(file.scene, file.cells, options, *runner, show_stages(*runner));
+    if (runner->leads()) {
       output.write(arguments.output, sight.not_hidden, Guarantee::conservative, made);
       if (!arguments.seen.empty()) {
         output.write(arguments.seen, sight.seen, Guarantee::aggressive, made, sight.lines, sight.degree);

@@ -24,10 +24,10 @@ const Town& town() {
     ViewCells& cells = made.file.cells;
     cells.corners.resize(std::min<std::size_t>(cells.corners.size(), 3 * 40));
     cells.neighbours.reset();
-    ThreadCrew crew(1);
+    ThreadJobRunner runner(1);
     SampledOptions sampled;
     sampled.rounds = 1;
-    made.sight = see_by_sampling(made.file.scene, cells, sampled, crew);
+    made.sight = see_by_sampling(made.file.scene, cells, sampled, runner);
     const Shadows shadows(made.file.scene, find_occluders(made.file.scene));
     const auto view = shadows.view({});
     std::vector<std::vector<std::uint32_t>> rows;

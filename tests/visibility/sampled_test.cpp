@@ -44,12 +44,12 @@ bool hard_to_find(const std::string& name) {
 }
 
 TEST(Sampled, RightInScenesKnownByReasoning) {
-  ThreadCrew crew;
+  ThreadJobRunner runner;
   SampledOptions options;
   options.rays = 30000, options.rounds = 1;
   for (const AnalyticScene& known : analytic_scenes()) {
     const ViewCells cells = one_cell(known.cell);
-    const Sight sight = see_by_sampling(known.scene, cells, options, crew);
+    const Sight sight = see_by_sampling(known.scene, cells, options, runner);
     expect_proven(known.scene, cells, sight);
     for (std::uint32_t object = 0; object < known.scene.object_count; ++object) {
       const bool found = sight.seen.contains(0, object), there = known.truth[object] == Truth::seen;
@@ -85,7 +85,7 @@ TEST(Sampled, SameForAnyNumberOfThreadsAndProvenInEachCell) {
   SampledOptions options;
   options.rays = 3000, options.rounds = 3;
   options.enough_yield = 0;
-  ThreadCrew one(1), three(3);
+  ThreadJobRunner one(1), three(3);
   std::uint64_t last = 0, of = 1;
   const Sight a = see_by_sampling(city.file.scene, city.cells, options, one,
                                   [&](std::uint64_t done, std::uint64_t total) { last = done, of = total; });
@@ -104,12 +104,12 @@ TEST(Sampled, FindsWhatADenseReferenceFinds) {
   const SmallCity city = small_city();
   const RayCaster caster(city.file.scene);
   const AimedRays rays(city.file.scene, caster);
-  ThreadCrew crew;
+  ThreadJobRunner runner;
   SampledOptions options;
   options.rays = 10000;
-  const Sight sight = see_by_sampling(rays, city.cells, options, crew);
+  const Sight sight = see_by_sampling(rays, city.cells, options, runner);
   const std::vector<std::uint32_t> ids = {0, 25, 47};
-  const VisibilityMatrix reference = dense_reference(rays, city.cells, ids, crew);
+  const VisibilityMatrix reference = dense_reference(rays, city.cells, ids, runner);
   std::uint64_t missed = 0;
   for (std::uint32_t i = 0; i < ids.size(); ++i) {
     for (const std::uint32_t object : reference.row(i)) missed += !sight.seen.contains(ids[i], object);
@@ -122,7 +122,7 @@ TEST(Sampled, HeldBackRaysTellAStarvedRunFromAFullOne) {
   const SmallCity city = small_city();
   const RayCaster caster(city.file.scene);
   const AimedRays rays(city.file.scene, caster);
-  ThreadCrew one(1), three(3);
+  ThreadJobRunner one(1), three(3);
   SampledOptions options;
   options.resolution = 4, options.rays = 0, options.rounds = 1;
   const auto missed = [&](const Sight& sight) {
@@ -166,8 +166,8 @@ TEST(Sampled, DegreeOfVisibility) {
   add_open_box(scene, {{-1000, -1000, -1000}, {1000, 1000, -0.5f}});  // 0: the ground, half of all directions
   add_open_box(scene, {{-1000, 10, -0.5f}, {1000, 11, 2000}});   // 1: a wall without end, half of the rest
   add_open_box(scene, {{-0.01f, -50, 0}, {0.01f, -49, 0.02f}});  // 2: next to nothing
-  ThreadCrew crew;
-  const Sight sight = see_by_sampling(scene, one_cell({{-0.1f, -0.1f, 0}, {0.1f, 0.1f, 0.1f}}), {}, crew);
+  ThreadJobRunner runner;
+  const Sight sight = see_by_sampling(scene, one_cell({{-0.1f, -0.1f, 0}, {0.1f, 0.1f, 0.1f}}), {}, runner);
   ASSERT_EQ(sight.degree.size(), 3u);
   EXPECT_NEAR(sight.degree[0], 0.5, 0.01);
   EXPECT_NEAR(sight.degree[1], 0.25, 0.01);
@@ -181,42 +181,42 @@ TEST(Sampled, LooksForNothingThatIsHidden) {
   add_open_box(scene, {{0.01f, 20, 0}, {100, 21, 50}});
   add_open_box(scene, {{-10, 100, 0}, {10, 110, 20}});
   const ViewCells cells = one_cell({{-2, -2, 1}, {2, 2, 2}});
-  ThreadCrew crew;
-  const Sight all = see_by_sampling(scene, cells, {}, crew);
+  ThreadJobRunner runner;
+  const Sight all = see_by_sampling(scene, cells, {}, runner);
   EXPECT_EQ(all.seen, VisibilityMatrix::from_rows({{0, 1, 2}}, 3));
   const auto not_hidden = VisibilityMatrix::from_rows({{0, 1}}, 3);
-  const Sight some = see_by_sampling(scene, cells, {}, crew, {}, &not_hidden);
+  const Sight some = see_by_sampling(scene, cells, {}, runner, {}, &not_hidden);
   EXPECT_EQ(some.seen, not_hidden);
   EXPECT_LT(some.rays, all.rays);
 }
 
 TEST(Sampled, NothingToSeeAndNobodyToSeeIt) {
-  ThreadCrew crew;
+  ThreadJobRunner runner;
   Scene scene;
-  EXPECT_EQ(see_by_sampling(scene, {}, {}, crew).seen.shape(), (Shape{0, 0}));
-  EXPECT_EQ(see_by_sampling(scene, one_cell({}), {}, crew).seen, VisibilityMatrix(Shape{1, 0}));
+  EXPECT_EQ(see_by_sampling(scene, {}, {}, runner).seen.shape(), (Shape{0, 0}));
+  EXPECT_EQ(see_by_sampling(scene, one_cell({}), {}, runner).seen, VisibilityMatrix(Shape{1, 0}));
   scene.object_count = 2;
-  EXPECT_EQ(see_by_sampling(scene, one_cell({}), {}, crew).seen, VisibilityMatrix(Shape{1, 2}));
+  EXPECT_EQ(see_by_sampling(scene, one_cell({}), {}, runner).seen, VisibilityMatrix(Shape{1, 2}));
   const RayCaster caster(scene);
   const AimedRays rays(scene, caster);
-  EXPECT_EQ(held_back_error(rays, one_cell({}), VisibilityMatrix(Shape{1, 2}), 10, 1, crew)[0].rays, 0u);
-  EXPECT_EQ(dense_reference(rays, {}, {}, crew).shape(), (Shape{0, 2}));
+  EXPECT_EQ(held_back_error(rays, one_cell({}), VisibilityMatrix(Shape{1, 2}), 10, 1, runner)[0].rays, 0u);
+  EXPECT_EQ(dense_reference(rays, {}, {}, runner).shape(), (Shape{0, 2}));
 }
 
 TEST(Sampled, RefusesOptionsOutOfRange) {
-  ThreadCrew crew;
+  ThreadJobRunner runner;
   for (const std::uint32_t resolution : {0u, 6u, 8192u}) {
     SampledOptions options;
     options.resolution = resolution;
-    EXPECT_THROW(see_by_sampling(Scene{}, {}, options, crew), std::invalid_argument);
+    EXPECT_THROW(see_by_sampling(Scene{}, {}, options, runner), std::invalid_argument);
   }
   SampledOptions options;
   options.rounds = 0;
-  EXPECT_THROW(see_by_sampling(Scene{}, {}, options, crew), std::invalid_argument);
+  EXPECT_THROW(see_by_sampling(Scene{}, {}, options, runner), std::invalid_argument);
   options.rounds = 1, options.enough_yield = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THROW(see_by_sampling(Scene{}, {}, options, crew), std::invalid_argument);
+  EXPECT_THROW(see_by_sampling(Scene{}, {}, options, runner), std::invalid_argument);
   const VisibilityMatrix other(Shape{2, 0});
-  EXPECT_THROW(see_by_sampling(Scene{}, one_cell({}), {}, crew, {}, &other), std::invalid_argument);
+  EXPECT_THROW(see_by_sampling(Scene{}, one_cell({}), {}, runner, {}, &other), std::invalid_argument);
 }
 
 }  // namespace

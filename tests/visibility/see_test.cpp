@@ -34,9 +34,9 @@ bool within(const VisibilityMatrix& inner, const VisibilityMatrix& outer) {
 
 TEST(See, BoundsLieInOneAnotherAndRaysLieBetween) {
   const SceneFile city = small_city();
-  ThreadCrew crew;
-  const Sight quick = see_bounds(city.scene, city.cells, effort(0), crew),
-              better = see_bounds(city.scene, city.cells, effort(1), crew);
+  ThreadJobRunner runner;
+  const Sight quick = see_bounds(city.scene, city.cells, effort(0), runner),
+              better = see_bounds(city.scene, city.cells, effort(1), runner);
   EXPECT_EQ(quick.seen.ones(), 0u);
   EXPECT_TRUE(within(better.not_hidden, quick.not_hidden));
   EXPECT_TRUE(within(better.seen, better.not_hidden));
@@ -47,8 +47,8 @@ TEST(See, BoundsLieInOneAnotherAndRaysLieBetween) {
 
 TEST(See, EverySightLineIsASightLine) {
   const SceneFile city = small_city();
-  ThreadCrew crew;
-  const Sight sight = see_bounds(city.scene, city.cells, effort(1), crew);
+  ThreadJobRunner runner;
+  const Sight sight = see_bounds(city.scene, city.cells, effort(1), runner);
   ASSERT_EQ(sight.lines.size(), sight.seen.ones());
   const RayCaster caster(city.scene);
   std::size_t entry = 0;
@@ -68,7 +68,7 @@ TEST(See, EverySightLineIsASightLine) {
 
 TEST(See, IsTheSameForAnyNumberOfThreads) {
   const SceneFile city = small_city();
-  ThreadCrew one(1), three(3);
+  ThreadJobRunner one(1), three(3);
   const Sight a = see_bounds(city.scene, city.cells, effort(1), one),
               b = see_bounds(city.scene, city.cells, effort(1), three);
   EXPECT_EQ(a.seen, b.seen);
@@ -84,18 +84,18 @@ TEST(See, ASmallerCellSeesLess) {
   city.cells.boxes = {{{at - 1.5f, at - 1.5f, 1}, {at + 1.5f, at + 1.5f, 2.5f}},
                       {{at - 0.5f, at - 0.5f, 1.5f}, {at + 0.5f, at + 0.5f, 2}},
                       {{at, at, 2}, {at, at, 2}}};
-  ThreadCrew crew;
-  const Sight sight = see_bounds(city.scene, city.cells, effort(2), crew);
+  ThreadJobRunner runner;
+  const Sight sight = see_bounds(city.scene, city.cells, effort(2), runner);
   EXPECT_GE(sight.not_hidden.row(0).size(), sight.not_hidden.row(1).size());
   EXPECT_GE(sight.not_hidden.row(1).size(), sight.not_hidden.row(2).size());
 }
 
 TEST(See, EmptyScenesAndNoCellsAreFine) {
-  ThreadCrew crew;
+  ThreadJobRunner runner;
   ViewCells one;
   one.boxes = {{{0, 0, 0}, {1, 1, 1}}};
-  EXPECT_EQ(see_bounds(Scene{}, one, effort(1), crew).not_hidden.shape(), (Shape{1, 0}));
-  EXPECT_EQ(see_bounds(small_city().scene, {}, effort(1), crew).not_hidden.shape(), (Shape{0, 64}));
+  EXPECT_EQ(see_bounds(Scene{}, one, effort(1), runner).not_hidden.shape(), (Shape{1, 0}));
+  EXPECT_EQ(see_bounds(small_city().scene, {}, effort(1), runner).not_hidden.shape(), (Shape{0, 64}));
   EXPECT_THROW(effort(3), std::invalid_argument);
 }
 

@@ -164,7 +164,7 @@ void Journal::begin_or_read(const std::string& work) {
   }
 }
 
-std::vector<std::uint64_t> Journal::restore(const std::string& stage, std::vector<Crew::Piece>& pieces) {
+std::vector<std::uint64_t> Journal::restore(const std::string& stage, std::vector<JobRunner::Piece>& pieces) {
   if (!begun_.insert(stage).second) throw std::logic_error("the stage '" + stage + "' twice in one run");
   std::vector<bool> have(pieces.size());
   if (const auto at = left_.find(stage); at != left_.end()) {
@@ -185,7 +185,7 @@ std::vector<std::uint64_t> Journal::restore(const std::string& stage, std::vecto
   return missing;
 }
 
-void Journal::store(const std::string& stage, std::uint64_t number, const Crew::Piece& piece) {
+void Journal::store(const std::string& stage, std::uint64_t number, const JobRunner::Piece& piece) {
   append(journal_record({stage, number, piece}));
 }
 

@@ -1,4 +1,4 @@
-// Finished pieces of work in a file beside the output: what a killed run leaves to the next.
+// A journal: finished pieces of work in a file beside the output, from which a run that was killed goes on.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "visibility/jobs/crew.h"
+#include "visibility/jobs/job_runner.h"
 
 namespace vismat {
 
@@ -26,9 +26,10 @@ class Journal : public PieceStore {
   Journal& operator=(const Journal&) = delete;
 
   /// Throws std::logic_error where a stage is asked for twice: its pieces would be taken for one another's.
-  std::vector<std::uint64_t> restore(const std::string& stage, std::vector<Crew::Piece>& pieces) override;
+  std::vector<std::uint64_t> restore(const std::string& stage,
+                                     std::vector<JobRunner::Piece>& pieces) override;
   /// Throws std::runtime_error if the disk is full; what was stored before stays good.
-  void store(const std::string& stage, std::uint64_t number, const Crew::Piece& piece) override;
+  void store(const std::string& stage, std::uint64_t number, const JobRunner::Piece& piece) override;
   /// How many pieces earlier runs left.
   std::uint64_t found() const { return found_; }
   /// The work is done and written elsewhere: the file goes.

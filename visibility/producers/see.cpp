@@ -20,15 +20,15 @@ using Objects = std::vector<std::uint32_t>;
 
 /// Calls work(cell, view, piece) for all cells, those of one piece with the same buffers.
 template <typename Work>
-std::vector<Crew::Piece> for_cells(const std::string& stage, const Shadows& shadows, const ViewCells& cells,
-                                   const ShadowOptions& options, Crew& crew, const Progress& progress,
-                                   const Work& work) {
+std::vector<JobRunner::Piece> for_cells(const std::string& stage, const Shadows& shadows,
+                                        const ViewCells& cells, const ShadowOptions& options,
+                                        JobRunner& runner, const Progress& progress, const Work& work) {
   constexpr std::uint32_t batch = 8;
-  return crew.run(
+  return runner.run(
       stage, (cells.count() + batch - 1) / batch,
       [&](std::uint64_t piece) {
         const auto view = shadows.view(options);
-        Crew::Piece bytes;
+        JobRunner::Piece bytes;
         const auto end =
             static_cast<std::uint32_t>(std::min<std::uint64_t>(cells.count(), (piece + 1) * batch));
         for (auto cell = static_cast<std::uint32_t>(piece * batch); cell < end; ++cell)
@@ -38,9 +38,9 @@ std::vector<Crew::Piece> for_cells(const std::string& stage, const Shadows& shad
       progress);
 }
 
-std::vector<Objects> lists_of(const std::vector<Crew::Piece>& pieces) {
+std::vector<Objects> lists_of(const std::vector<JobRunner::Piece>& pieces) {
   std::vector<Objects> lists;
-  for (const Crew::Piece& piece : pieces) {
+  for (const JobRunner::Piece& piece : pieces) {
     for (std::span<const std::byte> rest = piece; !rest.empty();) lists.push_back(take<std::uint32_t>(rest));
   }
   return lists;
@@ -120,7 +120,7 @@ BoundsOptions effort(unsigned level) {
   return options;
 }
 
-Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, Crew& crew,
+Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, JobRunner& runner,
                  const Stages& stages) {
   const Shadows shadows(scene, occluders_for(scene, cells, options.occluders));
   std::optional<RayCaster> caster;
@@ -129,16 +129,16 @@ Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions
     caster.emplace(scene);
     rays.emplace(scene, *caster);
   }
-  return see_bounds(shadows, rays ? &*rays : nullptr, cells, options, crew, stages);
+  return see_bounds(shadows, rays ? &*rays : nullptr, cells, options, runner, stages);
 }
 
 Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells& cells,
-                 const BoundsOptions& options, Crew& crew, const Stages& stages) {
+                 const BoundsOptions& options, JobRunner& runner, const Stages& stages) {
   const auto objects = static_cast<std::uint32_t>(shadows.bounds().size());
   if (!options.sampled) rays = nullptr;
   const std::vector<Objects> around = lists_of(
-      for_cells("shadows", shadows, cells, options.shadow, crew, begin_stage(stages, "casting shadows"),
-                [&](std::uint32_t cell, Shadows::View& view, Crew::Piece& piece) {
+      for_cells("shadows", shadows, cells, options.shadow, runner, begin_stage(stages, "casting shadows"),
+                [&](std::uint32_t cell, Shadows::View& view, JobRunner::Piece& piece) {
                   put<std::uint32_t>(piece, view.not_hidden(convex_of(cells, cell)));
                 }));
   Sight sight;
@@ -146,15 +146,15 @@ Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells&
   sight.seen = VisibilityMatrix::from_rows(std::vector<Objects>(cells.count()), objects);
   if (options.sampled) {
     VisibilityMatrix not_hidden = std::move(sight.not_hidden);
-    sight = see_by_sampling(*rays, cells, *options.sampled, crew, begin_stage(stages, "looking around"),
+    sight = see_by_sampling(*rays, cells, *options.sampled, runner, begin_stage(stages, "looking around"),
                             &not_hidden);
     sight.not_hidden = std::move(not_hidden);
   }
   if (options.shadow.patches == 0) return sight;
 
   const auto pieces = for_cells(
-      "patches", shadows, cells, options.shadow, crew, begin_stage(stages, "deciding the rest"),
-      [&](std::uint32_t cell, Shadows::View& view, Crew::Piece& piece) {
+      "patches", shadows, cells, options.shadow, runner, begin_stage(stages, "deciding the rest"),
+      [&](std::uint32_t cell, Shadows::View& view, JobRunner::Piece& piece) {
         const Convex convex = convex_of(cells, cell);
         const CellPoints whole(convex);
         std::vector<SeenObject> seen;
@@ -185,7 +185,7 @@ Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells&
       });
   std::vector<Objects> undecided;
   std::vector<std::vector<SeenObject>> seen;
-  for (const Crew::Piece& piece : pieces) {
+  for (const JobRunner::Piece& piece : pieces) {
     for (std::span<const std::byte> rest = piece; !rest.empty();) {
       undecided.push_back(take<std::uint32_t>(rest));
       seen.push_back(take<SeenObject>(rest));

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "visibility/jobs/crew.h"
+#include "visibility/jobs/job_runner.h"
 #include "visibility/rays/sampled.h"
 #include "visibility/shadows/occluders.h"
 #include "visibility/shadows/shadow.h"
@@ -26,13 +26,13 @@ struct BoundsOptions {
 /// many, about 8, 120 and 950 ms a cell of a city of a million triangles. Throws std::invalid_argument for others.
 BoundsOptions effort(unsigned level);
 
-/// Sight::degree and Sight::lines as see_by_sampling() gives them. Same scene, cells and options, same result, for any crew, on one kind of CPU.
-Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, Crew& crew,
+/// Sight::degree and Sight::lines as see_by_sampling() gives them. Same scene, cells and options, same result, for any JobRunner, on one kind of CPU.
+Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, JobRunner& runner,
                  const Stages& stages = {});
 /// The same with what was made before, of one scene; options.occluders is not looked at. `rays` may be null without
 /// options.sampled.
 Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells& cells,
-                 const BoundsOptions& options, Crew& crew, const Stages& stages = {});
+                 const BoundsOptions& options, JobRunner& runner, const Stages& stages = {});
 
 /// One line that names every parameter.
 std::string describe(const BoundsOptions& options);

@@ -158,12 +158,12 @@ class CellTree {
 class Rounds {
  public:
   Rounds(const AimedRays& rays, const ViewCells& cells, const SampledOptions& options,
-         const VisibilityMatrix* not_hidden, Crew& crew)
+         const VisibilityMatrix* not_hidden, JobRunner& runner)
       : rays_(rays),
         cells_(cells),
         options_(options),
         not_hidden_(not_hidden),
-        crew_(crew),
+        runner_(runner),
         tree_(cells),
         squares_(options.resolution),
         neighbours_(cells.neighbours ? *cells.neighbours : touching_boxes(cell_bounds(cells))),
@@ -228,7 +228,7 @@ class Rounds {
   template <typename Work>
   std::vector<Entry> stage(const std::string& name, std::uint64_t items, std::uint64_t items_a_piece,
                            const Work& work, const Progress& progress) {
-    const auto pieces = crew_.run(
+    const auto pieces = runner_.run(
         name, (items + items_a_piece - 1) / items_a_piece,
         [&](std::uint64_t piece) {
           std::vector<Entry> found;
@@ -237,7 +237,7 @@ class Rounds {
                ++i) {
             cast += work(i, found);
           }
-          Crew::Piece bytes;
+          JobRunner::Piece bytes;
           put(bytes, std::span<const Entry>(found));
           put(bytes, std::span<const std::uint64_t>(&cast, 1));
           return bytes;
@@ -319,7 +319,7 @@ class Rounds {
   const ViewCells& cells_;
   const SampledOptions& options_;
   const VisibilityMatrix* not_hidden_;
-  Crew& crew_;
+  JobRunner& runner_;
   CellTree tree_;
   Squares squares_;
   VisibilityMatrix neighbours_;
@@ -336,7 +336,7 @@ glm::vec3 any_direction(Random& random) {
 }  // namespace
 
 Sight see_by_sampling(const AimedRays& rays, const ViewCells& cells, const SampledOptions& options,
-                      Crew& crew, const Progress& progress, const VisibilityMatrix* not_hidden) {
+                      JobRunner& runner, const Progress& progress, const VisibilityMatrix* not_hidden) {
   if (options.resolution == 0 || options.resolution % 4 != 0 || options.resolution > 4096) {
     throw std::invalid_argument("sampling: the resolution must be a multiple of 4, 4 to 4096, not " +
                                 std::to_string(options.resolution));
@@ -349,7 +349,7 @@ Sight see_by_sampling(const AimedRays& rays, const ViewCells& cells, const Sampl
                                 std::to_string(shape.rows) + " view cells x " +
                                 std::to_string(shape.columns) + " objects");
   }
-  Rounds rounds(rays, cells, options, not_hidden, crew);
+  Rounds rounds(rays, cells, options, not_hidden, runner);
   std::uint64_t pieces = 0;
   for (std::uint32_t round = 0; round < options.rounds; ++round) {
     Progress of_all;
@@ -366,16 +366,16 @@ Sight see_by_sampling(const AimedRays& rays, const ViewCells& cells, const Sampl
   return rounds.result();
 }
 
-Sight see_by_sampling(const Scene& scene, const ViewCells& cells, const SampledOptions& options, Crew& crew,
-                      const Progress& progress, const VisibilityMatrix* not_hidden) {
+Sight see_by_sampling(const Scene& scene, const ViewCells& cells, const SampledOptions& options,
+                      JobRunner& runner, const Progress& progress, const VisibilityMatrix* not_hidden) {
   const RayCaster caster(scene);
-  return see_by_sampling(AimedRays(scene, caster), cells, options, crew, progress, not_hidden);
+  return see_by_sampling(AimedRays(scene, caster), cells, options, runner, progress, not_hidden);
 }
 
 std::vector<HeldBack> held_back_error(const AimedRays& rays, const ViewCells& cells,
                                       const VisibilityMatrix& seen, std::uint32_t rays_a_cell,
-                                      std::uint64_t seed, Crew& crew, const Progress& progress) {
-  const auto pieces = crew.run(
+                                      std::uint64_t seed, JobRunner& runner, const Progress& progress) {
+  const auto pieces = runner.run(
       "held-back rays", (cells.count() + cells_a_piece - 1) / cells_a_piece,
       [&](std::uint64_t piece) {
         std::vector<HeldBack> errors;
@@ -409,7 +409,7 @@ std::vector<HeldBack> held_back_error(const AimedRays& rays, const ViewCells& ce
           }
           errors.push_back(error);
         }
-        Crew::Piece bytes;
+        JobRunner::Piece bytes;
         put(bytes, std::span<const HeldBack>(errors));
         return bytes;
       },
@@ -440,9 +440,10 @@ double missed_at_most(std::uint64_t missed, std::uint64_t of, double confidence)
 }
 
 VisibilityMatrix dense_reference(const AimedRays& rays, const ViewCells& cells,
-                                 std::span<const std::uint32_t> ids, Crew& crew, const Progress& progress) {
+                                 std::span<const std::uint32_t> ids, JobRunner& runner,
+                                 const Progress& progress) {
   const Squares squares(96);
-  const auto pieces = crew.run(
+  const auto pieces = runner.run(
       "reference", ids.size(),
       [&](std::uint64_t i) {
         const CellPoints points(convex_of(cells, ids[i]));
@@ -469,7 +470,7 @@ VisibilityMatrix dense_reference(const AimedRays& rays, const ViewCells& cells,
         for (std::uint32_t object = 0; object < seen.size(); ++object) {
           if (seen[object]) row.push_back(object);
         }
-        Crew::Piece bytes;
+        JobRunner::Piece bytes;
         put(bytes, std::span<const std::uint32_t>(row));
         return bytes;
       },

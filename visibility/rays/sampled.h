@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "visibility/jobs/crew.h"
+#include "visibility/jobs/job_runner.h"
 #include "visibility/rays/aimed_rays.h"
 #include "visibility/sight.h"
 #include "visibility/view_cells.h"
@@ -24,17 +24,18 @@ struct SampledOptions {
 /// they miss; each new sight line, drawn out to what stops it backwards, is given to all cells that it crosses; then the next
 /// round, where what the cells next to it see is looked for first. `not_hidden`, cells x objects: objects hidden there for sure
 /// are not looked for. Throws std::invalid_argument for options out of range and a not_hidden of another shape. Same arguments,
-/// same bytes, whatever the crew. Where thousands of small objects are seen at once it takes more rays.
+/// same bytes, whatever the JobRunner. Where thousands of small objects are seen at once it takes more rays.
 ///
 /// degree_of_visibility: of an object from a cell, the greatest share of all directions, 4 pi, in which it is the first
 /// thing seen (see-through ones: seen at all) from any of nine points: the cell's centre, and its vertices moved a sixteenth of
 /// the way towards it. Each direction stands for a square of a cube map and counts with its solid angle. Above 0: what is seen
 /// from elsewhere alone has half of the smallest square.
 Sight see_by_sampling(const AimedRays& rays, const ViewCells& cells, const SampledOptions& options,
-                      Crew& crew, const Progress& progress = {},
+                      JobRunner& runner, const Progress& progress = {},
                       const VisibilityMatrix* not_hidden = nullptr);
-Sight see_by_sampling(const Scene& scene, const ViewCells& cells, const SampledOptions& options, Crew& crew,
-                      const Progress& progress = {}, const VisibilityMatrix* not_hidden = nullptr);
+Sight see_by_sampling(const Scene& scene, const ViewCells& cells, const SampledOptions& options,
+                      JobRunner& runner, const Progress& progress = {},
+                      const VisibilityMatrix* not_hidden = nullptr);
 
 /// One line that names every parameter.
 std::string describe(const SampledOptions& options);
@@ -50,7 +51,7 @@ struct HeldBack {
 /// is not listed; missed_objects / objects the share of objects, of those that are about as easy to see as what these rays find.
 std::vector<HeldBack> held_back_error(const AimedRays& rays, const ViewCells& cells,
                                       const VisibilityMatrix& seen, std::uint32_t rays_a_cell,
-                                      std::uint64_t seed, Crew& crew, const Progress& progress = {});
+                                      std::uint64_t seed, JobRunner& runner, const Progress& progress = {});
 /// The upper end of the one-sided confidence interval for a probability of which `missed` in `of` independent trials came true
 /// [Clopper and Pearson 1934]; 1 without trials.
 double missed_at_most(std::uint64_t missed, std::uint64_t of, double confidence = 0.95);
@@ -58,7 +59,7 @@ double missed_at_most(std::uint64_t missed, std::uint64_t of, double confidence 
 /// What to measure producers by, a row for each of `ids`: cube maps of 6 x 96^2 rays from each vertex of the cell and 40 random
 /// points of its boundary, then 1500 rays at each object not seen yet.
 VisibilityMatrix dense_reference(const AimedRays& rays, const ViewCells& cells,
-                                 std::span<const std::uint32_t> ids, Crew& crew,
+                                 std::span<const std::uint32_t> ids, JobRunner& runner,
                                  const Progress& progress = {});
 
 }  // namespace vismat

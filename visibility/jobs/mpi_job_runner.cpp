@@ -4,7 +4,7 @@
 //
 // Every rank writing a journal of its own was thought of: it would need one disk for all, or as many ranks at the next
 // start, and what it saves, a piece's way to rank 0, has to be gone anyway.
-#include "visibility/jobs/mpi_crew.h"
+#include "visibility/jobs/mpi_job_runner.h"
 
 #define OMPI_SKIP_MPICXX  // the C++ bindings of old, which nobody links
 #include <mpi.h>
@@ -76,9 +76,9 @@ std::string text_of(const std::vector<std::byte>& bytes) {
 // This rank's threads: numbers go in, pieces or an error come out.
 class Workers {
  public:
-  using Done = std::vector<std::pair<std::uint64_t, Crew::Piece>>;
+  using Done = std::vector<std::pair<std::uint64_t, JobRunner::Piece>>;
 
-  Workers(unsigned threads, const std::function<Crew::Piece(std::uint64_t)>& piece) : piece_(piece) {
+  Workers(unsigned threads, const std::function<JobRunner::Piece(std::uint64_t)>& piece) : piece_(piece) {
     for (unsigned t = 0; t < threads; ++t) pool_.emplace_back([this] { work(); });
   }
   ~Workers() {
@@ -116,7 +116,7 @@ class Workers {
       const std::uint64_t number = todo_.front();
       todo_.pop_front();
       lock.unlock();
-      Crew::Piece piece;
+      JobRunner::Piece piece;
       std::exception_ptr error;
       try {
         piece = piece_(number);
@@ -138,7 +138,7 @@ class Workers {
     }
   }
 
-  const std::function<Crew::Piece(std::uint64_t)>& piece_;
+  const std::function<JobRunner::Piece(std::uint64_t)>& piece_;
   std::mutex mutex_;  // guards all below
   std::condition_variable more_;
   std::deque<std::uint64_t> todo_;
@@ -148,10 +148,10 @@ class Workers {
   std::vector<std::jthread> pool_;
 };
 
-class MpiCrew : public Crew {
+class MpiJobRunner : public JobRunner {
  public:
-  explicit MpiCrew(unsigned threads);
-  ~MpiCrew() override;
+  explicit MpiJobRunner(unsigned threads);
+  ~MpiJobRunner() override;
   std::vector<Piece> run(const std::string& stage, std::uint64_t count,
                          const std::function<Piece(std::uint64_t)>& piece, const Progress& progress) override;
   bool leads() const override { return rank_ == 0; }
@@ -168,7 +168,7 @@ class MpiCrew : public Crew {
   bool failed_ = false;
 };
 
-MpiCrew::MpiCrew(unsigned threads) {
+MpiJobRunner::MpiJobRunner(unsigned threads) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a rank whose mpirun was killed would wait for messages for ever
   // Ranks that read one another's memory are refused in many a container, and messages are then lost with a warning.
   ::setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 0);
@@ -189,7 +189,7 @@ MpiCrew::MpiCrew(unsigned threads) {
   MPI_Allgather(&threads_, 1, MPI_UNSIGNED, threads_of_rank_.data(), 1, MPI_UNSIGNED, MPI_COMM_WORLD);
 }
 
-MpiCrew::~MpiCrew() {
+MpiJobRunner::~MpiJobRunner() {
   if (failed_ || std::uncaught_exceptions() > 0) {
     // Rank 0 goes on to tell what was wrong and to exit with 1, and mpirun then ends the others; that takes no second.
     if (rank_ != 0) std::this_thread::sleep_for(std::chrono::seconds(2));
@@ -204,9 +204,9 @@ MpiCrew::~MpiCrew() {
   MPI_Finalize();
 }
 
-std::vector<Crew::Piece> MpiCrew::run(const std::string& stage, std::uint64_t count,
-                                      const std::function<Piece(std::uint64_t)>& piece,
-                                      const Progress& progress) {
+std::vector<JobRunner::Piece> MpiJobRunner::run(const std::string& stage, std::uint64_t count,
+                                                const std::function<Piece(std::uint64_t)>& piece,
+                                                const Progress& progress) {
   std::vector<Piece> pieces(count);
   try {
     Workers workers(threads_, piece);
@@ -230,8 +230,8 @@ std::vector<Crew::Piece> MpiCrew::run(const std::string& stage, std::uint64_t co
   return pieces;
 }
 
-void MpiCrew::lead(const std::string& stage, std::vector<Piece>& pieces, Workers& workers,
-                   const Progress& progress) {
+void MpiJobRunner::lead(const std::string& stage, std::vector<Piece>& pieces, Workers& workers,
+                        const Progress& progress) {
   const std::vector<std::uint64_t> missing = missing_pieces(store_, stage, pieces);
   std::vector<std::uint64_t> given(static_cast<std::size_t>(ranks_));  // and not yet come back
   std::uint64_t next = 0, done = 0;
@@ -275,7 +275,7 @@ void MpiCrew::lead(const std::string& stage, std::vector<Piece>& pieces, Workers
   }
 }
 
-void MpiCrew::follow(Workers& workers) {
+void MpiJobRunner::follow(Workers& workers) {
   bool told = false;
   for (;;) {
     bool idle = true;
@@ -304,7 +304,7 @@ void MpiCrew::follow(Workers& workers) {
   }
 }
 
-void MpiCrew::tell_all(Tag tag, const std::string& text) {
+void MpiJobRunner::tell_all(Tag tag, const std::string& text) {
   for (int r = 1; r < ranks_; ++r) send(r, tag, text.data(), text.size());
 }
 
@@ -319,11 +319,11 @@ int ranks_told() {
 }  // namespace
 }  // namespace vismat
 
-extern "C" vismat::Crew* vismat_mpi_crew(unsigned threads) {
-  auto crew = std::make_unique<vismat::MpiCrew>(threads);
-  if (crew->ranks() < vismat::ranks_told()) {
+extern "C" vismat::JobRunner* vismat_mpi_job_runner(unsigned threads) {
+  auto runner = std::make_unique<vismat::MpiJobRunner>(threads);
+  if (runner->ranks() < vismat::ranks_told()) {
     throw std::runtime_error(
         "the ranks do not see each other: they were not started by the mpirun of Open MPI");
   }
-  return crew.release();
+  return runner.release();
 }

@@ -1,6 +1,6 @@
-"""A crew's output has the same bytes for any number of threads and ranks, and after any end of earlier runs.
+"""A JobRunner's output has the same bytes for any number of threads and ranks, and after any end of earlier runs.
 
-crew_test.py CREW_TOY MPI (1 if it was built with it)
+jobs_test.py JOBS_TOY MPI (1 if it was built with it)
 """
 import os
 import random
@@ -33,7 +33,7 @@ def run(ranks, *words, **more):
 
 def check(fact, *told):
     if not fact:
-        sys.exit(f"crew_test.py: line {sys._getframe(1).f_lineno}: " + " ".join(map(str, told)))
+        sys.exit(f"jobs_test.py: line {sys._getframe(1).f_lineno}: " + " ".join(map(str, told)))
 
 
 def output_of(finished):
@@ -54,7 +54,7 @@ for ranks, threads in ((1, 2), (3, 1), (3, 2), (2, 0)) if mpi else ():
 for ranks in (0, 3) if mpi else (0,):
     failed = run(ranks, "out", 2, 1, 17)
     check(failed.returncode == 1, failed.returncode, failed.stderr)
-    check(failed.stderr.count("crew_toy: piece 17 is broken") == 1 == failed.stderr.count("crew_toy:"), failed.stderr)
+    check(failed.stderr.count("jobs_toy: piece 17 is broken") == 1 == failed.stderr.count("jobs_toy:"), failed.stderr)
     check(not out.exists(), "written in spite of a failure")
     again = run(0, "out", 1, 0)
     check("going on after" in again.stderr, again.stderr)
@@ -117,7 +117,7 @@ for ranks in (0, 3) if mpi else (0,):
     full = run(ranks, "out", 1, 0, restore_signals=False,
                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
     check(full.returncode == 1, full.returncode, full.stderr)
-    check(full.stderr.count("crew_toy: out.journal: cannot store more") == 1 == full.stderr.count("crew_toy:"), full.stderr)
+    check(full.stderr.count("jobs_toy: out.journal: cannot store more") == 1 == full.stderr.count("jobs_toy:"), full.stderr)
     again = run(ranks, "out", 2, 0)
     check("going on after" in again.stderr, again.stderr)
     check(output_of(again) == expected, "after a full disk")
@@ -125,5 +125,5 @@ for ranks in (0, 3) if mpi else (0,):
 # What is wrong before any piece is told once as well.
 Path("out.journal").write_bytes(b"something else that stands there")
 refused = run(3 if mpi else 0, "out", 1, 0)
-check(refused.returncode == 1 and refused.stderr.count("crew_toy: out.journal: not a journal") == 1, refused.stderr)
+check(refused.returncode == 1 and refused.stderr.count("jobs_toy: out.journal: not a journal") == 1, refused.stderr)
 check(Path("out.journal").read_bytes() == b"something else that stands there", "a stranger's file is changed")

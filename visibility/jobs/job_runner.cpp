@@ -1,10 +1,11 @@
-#include "visibility/jobs/crew.h"
+// Pieces of work on the threads of this process.
+#include "visibility/jobs/job_runner.h"
 
 namespace vismat {
 
-std::vector<Crew::Piece> ThreadCrew::run(const std::string& stage, std::uint64_t count,
-                                         const std::function<Piece(std::uint64_t)>& piece,
-                                         const Progress& progress) {
+std::vector<JobRunner::Piece> ThreadJobRunner::run(const std::string& stage, std::uint64_t count,
+                                                   const std::function<Piece(std::uint64_t)>& piece,
+                                                   const Progress& progress) {
   std::vector<Piece> pieces(count);
   const std::vector<std::uint64_t> missing = missing_pieces(store_, stage, pieces);
   const auto work = [&](std::uint64_t i) {

@@ -1,5 +1,5 @@
-// Crews with and without a journal: the same bytes for any number of threads and after any end of earlier runs.
-#include "visibility/jobs/crew.h"
+// JobRunners with and without a journal: the same bytes for any number of threads and after any end of earlier runs.
+#include "visibility/jobs/job_runner.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -19,53 +19,53 @@
 namespace vismat {
 namespace {
 
-using Pieces = std::vector<Crew::Piece>;
+using Pieces = std::vector<JobRunner::Piece>;
 constexpr std::uint64_t count = 40;
 
-Crew::Piece toy_piece(std::uint64_t seed, std::uint64_t number) {
+JobRunner::Piece toy_piece(std::uint64_t seed, std::uint64_t number) {
   Random random(seed, number);
-  Crew::Piece piece(random.below(200));  // one in 200 is empty
+  JobRunner::Piece piece(random.below(200));  // one in 200 is empty
   for (std::byte& byte : piece) byte = static_cast<std::byte>(random.next());
   return piece;
 }
 
 // Two stages; the second depends on what the first gave. `made` counts what was not restored.
-Pieces work(Crew& crew, const std::function<void()>& made = {}) {
+Pieces work(JobRunner& runner, const std::function<void()>& made = {}) {
   const auto toy = [&](std::uint64_t seed) {
     return [seed, made](std::uint64_t i) {
       if (made) made();
       return toy_piece(seed, i);
     };
   };
-  const Pieces first = crew.run("first", count, toy(1));
-  Pieces all = crew.run("second", 2 * count, toy(first[1].size()));
+  const Pieces first = runner.run("first", count, toy(1));
+  Pieces all = runner.run("second", 2 * count, toy(first[1].size()));
   all.insert(all.end(), first.begin(), first.end());
   return all;
 }
 
 Pieces expected() {
-  ThreadCrew crew(1);
-  return work(crew);
+  ThreadJobRunner runner(1);
+  return work(runner);
 }
 
-TEST(Crew, GivesTheSameBytesForAnyNumberOfThreads) {
+TEST(JobRunner, GivesTheSameBytesForAnyNumberOfThreads) {
   const Pieces one = expected();
   ASSERT_EQ(one.size(), 3 * count);
   EXPECT_EQ(one[5], toy_piece(one[2 * count + 1].size(), 5));
   for (const unsigned threads : {2u, 5u}) {
-    ThreadCrew crew(threads);
-    EXPECT_EQ(work(crew), one);
+    ThreadJobRunner runner(threads);
+    EXPECT_EQ(work(runner), one);
   }
 }
 
-TEST(Crew, RestoresEveryPieceThatAJournalHolds) {
+TEST(JobRunner, RestoresEveryPieceThatAJournalHolds) {
   const TemporaryFolder folder;
   for (const unsigned threads : {3u, 2u}) {
     Journal journal(folder / "j", "toy");
-    ThreadCrew crew(threads);
-    crew.keep_in(journal);
+    ThreadJobRunner runner(threads);
+    runner.keep_in(journal);
     std::atomic<std::uint64_t> made = 0;
-    EXPECT_EQ(work(crew, [&] { ++made; }), expected());
+    EXPECT_EQ(work(runner, [&] { ++made; }), expected());
     EXPECT_EQ(made, threads == 3 ? 3 * count : 0);
     EXPECT_EQ(journal.found(), threads == 3 ? 0 : 3 * count);
   }
@@ -73,16 +73,16 @@ TEST(Crew, RestoresEveryPieceThatAJournalHolds) {
   EXPECT_EQ(folder.entries(), 0u);
 }
 
-TEST(Crew, GoesOnAfterAKill) {
+TEST(JobRunner, GoesOnAfterAKill) {
   const TemporaryFolder folder;
   for (std::uint64_t already = 0; already < 3 * count; already += 17) {
     const pid_t child = ::fork();
     if (child == 0) {
       Journal journal(folder / "j", "toy");
-      ThreadCrew crew(2);
-      crew.keep_in(journal);
+      ThreadJobRunner runner(2);
+      runner.keep_in(journal);
       std::atomic<int> made = 0;
-      work(crew, [&] {
+      work(runner, [&] {
         if (++made == 19) ::kill(::getpid(), SIGKILL);  // 17 or 18 stored
       });
       ::_exit(0);
@@ -94,19 +94,19 @@ TEST(Crew, GoesOnAfterAKill) {
   }
   Journal journal(folder / "j", "toy");
   EXPECT_GE(journal.found(), 2 * count);
-  ThreadCrew crew(2);
-  crew.keep_in(journal);
-  EXPECT_EQ(work(crew), expected());
+  ThreadJobRunner runner(2);
+  runner.keep_in(journal);
+  EXPECT_EQ(work(runner), expected());
 }
 
-TEST(Crew, GoesOnFromAJournalCutAnywhereAndFromADamagedOne) {
+TEST(JobRunner, GoesOnFromAJournalCutAnywhereAndFromADamagedOne) {
   const TemporaryFolder folder;
   const auto run = [&](std::span<const std::byte> left) {
     write_file(folder / "j", left);
     Journal journal(folder / "j", "toy");
-    ThreadCrew crew(1);
-    crew.keep_in(journal);
-    return crew.run("first", 5, [](std::uint64_t i) { return toy_piece(1, i); });
+    ThreadJobRunner runner(1);
+    runner.keep_in(journal);
+    return runner.run("first", 5, [](std::uint64_t i) { return toy_piece(1, i); });
   };
   const Pieces right = run({});
   const std::vector<std::byte> whole = read_file(folder / "j");
@@ -122,7 +122,7 @@ TEST(Crew, GoesOnFromAJournalCutAnywhereAndFromADamagedOne) {
   }
 }
 
-TEST(Crew, AJournalServesOneWorkAndOneRun) {
+TEST(JobRunner, AJournalServesOneWorkAndOneRun) {
   const TemporaryFolder folder;
   const auto refusal = [&](const std::string& work) -> std::string {
     try {
@@ -150,7 +150,7 @@ TEST(Crew, AJournalServesOneWorkAndOneRun) {
   EXPECT_THROW(Journal(folder / "no folder/j", "toy"), std::runtime_error);
 }
 
-TEST(Crew, AFullDiskEndsTheRunAndTheNextGoesOn) {
+TEST(JobRunner, AFullDiskEndsTheRunAndTheNextGoesOn) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();
   if (child == 0) {  // a limit on the size of files is the full disk that needs no rights
@@ -158,10 +158,10 @@ TEST(Crew, AFullDiskEndsTheRunAndTheNextGoesOn) {
     const rlimit limit{4000, 4000};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     Journal journal(folder / "j", "toy");
-    ThreadCrew crew(2);
-    crew.keep_in(journal);
+    ThreadJobRunner runner(2);
+    runner.keep_in(journal);
     try {
-      work(crew);
+      work(runner);
     } catch (const std::runtime_error& error) {
       ::_exit(std::strstr(error.what(), "File too large") != nullptr ? 7 : 8);
     }
@@ -173,9 +173,9 @@ TEST(Crew, AFullDiskEndsTheRunAndTheNextGoesOn) {
   EXPECT_EQ(WEXITSTATUS(status), 7);
   Journal journal(folder / "j", "toy");
   EXPECT_GT(journal.found(), 20u);
-  ThreadCrew crew(2);
-  crew.keep_in(journal);
-  EXPECT_EQ(work(crew), expected());
+  ThreadJobRunner runner(2);
+  runner.keep_in(journal);
+  EXPECT_EQ(work(runner), expected());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Who does the work: the threads of one process, or those of many; and where it is kept.
+// Runs stages of independent pieces of work, on the threads of one process or of many, and keeps what is done.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -19,10 +19,10 @@ class PieceStore;
 
 /// Runs stages of independent pieces. A piece's bytes depend on its number and on what earlier stages gave alone, so any
 /// number of threads or processes, and any interruption, leaves the same bytes.
-class Crew {
+class JobRunner {
  public:
   using Piece = std::vector<std::byte>;
-  virtual ~Crew() = default;
+  virtual ~JobRunner() = default;
 
   /// piece(i) for each i in [0, count), in order, on every process. `stage` names the work, once a run. `progress` counts
   /// the pieces that were not stored, over all processes, on the one that leads. An exception on any process ends the
@@ -41,7 +41,7 @@ class Crew {
 
 /// A list as bytes: how many items, in 8 bytes, then the items, all in this machine's order of bytes.
 template <typename Item>
-void put(Crew::Piece& piece, std::span<const Item> items) {
+void put(JobRunner::Piece& piece, std::span<const Item> items) {
   static_assert(std::is_trivially_copyable_v<Item>);
   const std::uint64_t count = items.size();
   for (const std::span<const std::byte> bytes : {std::as_bytes(std::span(&count, 1)), std::as_bytes(items)}) {
@@ -67,14 +67,15 @@ class PieceStore {
  public:
   virtual ~PieceStore() = default;
   /// Puts what is stored of a stage in its places, and returns the numbers of the other pieces, ascending.
-  virtual std::vector<std::uint64_t> restore(const std::string& stage, std::vector<Crew::Piece>& pieces) = 0;
+  virtual std::vector<std::uint64_t> restore(const std::string& stage,
+                                             std::vector<JobRunner::Piece>& pieces) = 0;
   /// May be called by several threads at once.
-  virtual void store(const std::string& stage, std::uint64_t number, const Crew::Piece& piece) = 0;
+  virtual void store(const std::string& stage, std::uint64_t number, const JobRunner::Piece& piece) = 0;
 };
 
 /// As restore; with no store (null), all the numbers.
 inline std::vector<std::uint64_t> missing_pieces(PieceStore* store, const std::string& stage,
-                                                 std::vector<Crew::Piece>& pieces) {
+                                                 std::vector<JobRunner::Piece>& pieces) {
   if (store != nullptr) return store->restore(stage, pieces);
   std::vector<std::uint64_t> all(pieces.size());
   std::iota(all.begin(), all.end(), std::uint64_t{0});
@@ -82,9 +83,9 @@ inline std::vector<std::uint64_t> missing_pieces(PieceStore* store, const std::s
 }
 
 /// The threads of this process (0: one a core).
-class ThreadCrew : public Crew {
+class ThreadJobRunner : public JobRunner {
  public:
-  explicit ThreadCrew(unsigned threads = 0) : threads_(threads) {}
+  explicit ThreadJobRunner(unsigned threads = 0) : threads_(threads) {}
   std::vector<Piece> run(const std::string& stage, std::uint64_t count,
                          const std::function<Piece(std::uint64_t)>& piece,
                          const Progress& progress = {}) override;
