@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "matrix/base/random.h"
-#include "visibility/producers/see.h"
+#include "visibility/producers/bounds.h"
 #include "visibility/rays/aimed_rays.h"
 #include "visibility/rays/ray_caster.h"
 #include "visibility/scene_file.h"

@@ -16,8 +16,9 @@
 #include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/any_scene.h"
-#include "visibility/producers/see.h"
-#include "visibility/rays/ray_sampling.h"
+#include "visibility/producers/bounds.h"
+#include "visibility/producers/producers.h"
+#include "visibility/rays/sampled.h"
 
 namespace vismat::cli {
 namespace {
@@ -25,39 +26,19 @@ namespace {
 struct Arguments {
   std::string scene, output, seen, producer = "sandwich";
   CellsWords cells;
-  unsigned effort = 1, threads = 0;
-  std::optional<std::uint32_t> points, patches, resolution, patch_resolution;
-  std::optional<std::uint64_t> rays, patch_rays;
-  std::uint64_t seed = 1;
-  RaySamplingOptions climbing;
+  ProducerOptions options;
   bool nodes = false, objects = false;
 };
 
-BoundsOptions bounds_options(const Arguments& arguments) {
-  const bool shadow = arguments.producer == "shadow";
-  BoundsOptions options = effort(arguments.effort);
-  if (shadow) {
-    options.sampled.reset();
-    options.patch_rays = 0;
-  } else if (!options.sampled) {
-    options.sampled.emplace();
+/// Throws std::invalid_argument where the producer has no use for an option.
+void check_options(const Arguments& arguments, const Producer& producer) {
+  check_taken(producer, arguments.options);
+  if (arguments.seen.empty() || producer.seen_too) return;
+  const std::string name(producer.name);
+  if (producer.guarantee == Guarantee::aggressive) {
+    throw std::invalid_argument("--seen: all that the producer " + name + " lists is seen; -o has it");
   }
-  const auto set = [](auto& value, const auto& wanted) {
-    if (wanted) value = *wanted;
-  };
-  set(options.shadow.points, arguments.points);
-  set(options.shadow.patches, arguments.patches);
-  set(options.shadow.resolution, arguments.resolution);
-  set(options.shadow.patch_resolution, arguments.patch_resolution);
-  if (options.sampled) {
-    set(options.sampled->rays, arguments.rays);
-    set(options.patch_rays, arguments.patch_rays);
-    options.sampled->seed = arguments.seed;
-  } else if (arguments.rays || arguments.patch_rays) {
-    throw std::invalid_argument("--rays and --patch-rays: the producer shadow casts none; take sandwich");
-  }
-  options.occluders.threads = arguments.threads;
-  return options;
+  throw std::invalid_argument("--seen: the producer " + name + " proves nothing seen");
 }
 
 /// The same runner; each stage's name begins with the prefix, since a name may stand once in a run.
@@ -108,19 +89,21 @@ std::uint32_t checksum_of(const SceneFile& file) {
 }
 
 struct Output {
-  Dataset all;  // all but the matrix and how it was made
+  Dataset all;  // all but the matrix
   const Arguments& arguments;
 
-  void write(const std::string& path, VisibilityMatrix matrix, Guarantee guarantee, const std::string& made,
-             std::span<const SightLine> lines = {}, std::span<const float> degree = {}) const {
+  void write(const std::string& path, const VisibilityMatrix& matrix, Guarantee guarantee,
+             const Sight& sight) const {
     Dataset dataset = all;
-    dataset.matrix = std::move(matrix);
+    dataset.matrix = matrix;
     dataset.guarantee = guarantee;
-    dataset.provenance = made + "; of " + all.provenance;
-    for (const SightLine& line : lines) {
-      dataset.sight_lines.push_back({line.from.x, line.from.y, line.from.z, line.to.x, line.to.y, line.to.z});
+    if (&matrix == &sight.seen) {
+      for (const SightLine& line : sight.lines) {
+        dataset.sight_lines.push_back(
+            {line.from.x, line.from.y, line.from.z, line.to.x, line.to.y, line.to.z});
+      }
+      dataset.degree_of_visibility = sight.degree;
     }
-    dataset.degree_of_visibility.assign(degree.begin(), degree.end());
     if (dataset.source.tree && !arguments.objects) dataset = over_nodes(dataset);
     write_dataset(path, dataset);
     const Shape shape = dataset.matrix.shape();
@@ -153,100 +136,87 @@ void print_states(const Sight& sight, bool rays) {
   if (rays) std::printf("  %s rays\n", grouped(sight.rays).c_str());
 }
 
-/// What rays that took no part in the search say of it.
-void print_error(const AimedRays& rays, const ViewCells& cells, const Sight& sight, std::uint64_t seed,
-                 JobRunner& runner) {
-  constexpr std::uint32_t rays_a_cell = 1000;
-  const auto held_back =
-      held_back_error(rays, cells, sight.seen, rays_a_cell, seed, runner,
-                      runner.leads() ? show_progress("checking by other rays") : Progress{});
-  if (!runner.leads()) return;
-  std::uint64_t all_rays = 0, missed_rays = 0, objects = 0, missed_objects = 0;
-  for (const HeldBack& cell : held_back) {
-    all_rays += cell.rays, missed_rays += cell.missed_rays;
-    objects += cell.objects, missed_objects += cell.missed_objects;
+/// How many rays, and what they say of how much is missing.
+void print_search(const Sight& sight) {
+  std::printf("  %s rays", grouped(sight.rays).c_str());
+  if (sight.last_found) {
+    std::printf(", the last pass found %.2f %%",
+                100 * static_cast<double>(*sight.last_found) /
+                    static_cast<double>(std::max<std::uint64_t>(1, sight.seen.ones())));
   }
+  std::printf("\n");
+  if (!sight.held_back) return;
+  const auto [rays, missed_rays, objects, missed_objects] = *sight.held_back;
   std::printf(
       "  other rays: %.4f %% of the view shows what is not listed (below %.4f %% at 95 %% confidence), %.3f "
       "%% of the objects they meet are not\n",
-      all_rays == 0 ? 0.0 : 100 * static_cast<double>(missed_rays) / static_cast<double>(all_rays),
-      100 * missed_at_most(missed_rays, all_rays),
+      rays == 0 ? 0.0 : 100 * static_cast<double>(missed_rays) / static_cast<double>(rays),
+      100 * missed_at_most(missed_rays, rays),
       objects == 0 ? 0.0 : 100 * static_cast<double>(missed_objects) / static_cast<double>(objects));
 }
 
-void run_climbing(const Arguments& arguments, const SceneFile& file, const Output& output) {
-  RaySamplingOptions options = arguments.climbing;
-  options.seed = arguments.seed;
-  options.threads = arguments.threads;
-  SeenByRays seen = see_by_rays(file.scene, file.cells, options, show_progress("looking around"));
-  std::uint64_t late = 0;
-  for (const std::uint32_t yield : seen.last_yield) late += yield;
-  const auto ones = static_cast<double>(std::max<std::uint64_t>(1, seen.objects.ones()));
-  output.write(arguments.output, std::move(seen.objects), Guarantee::aggressive, describe(options));
-  std::printf("  %s rays, the last pass found %.2f %%\n", grouped(seen.rays).c_str(),
-              100 * static_cast<double>(late) / ones);
-}
-
 void run(const Arguments& arguments) {
-  const auto runner = make_job_runner(arguments.threads);
+  const auto runner = make_job_runner(arguments.options.threads);
+  const Producer& producer = producer_named(arguments.producer);
+  check_options(arguments, producer);
   const CellsChoice choice = parse_cells(arguments.cells);
-  const bool climbing = arguments.producer == "climbing", sampling = arguments.producer == "sampled";
-  const BoundsOptions options = bounds_options(arguments);
-  if (!arguments.seen.empty() && !options.sampled) {
-    throw std::invalid_argument("--seen: the producer shadow proves nothing seen; take sandwich");
-  }
-  if (!arguments.seen.empty() && (sampling || climbing)) {
-    throw std::invalid_argument("--seen: all that this producer writes is seen; -o has it");
-  }
+  const std::string made = producer.describe(arguments.options), chosen = describe(choice);
   SceneFile file = read_any_scene(arguments.scene).file;
   if (arguments.nodes && !file.tree) {
     throw std::invalid_argument(arguments.scene + ": has no tree, so --nodes cannot be; use --objects");
   }
-  const std::string made = sampling   ? describe(*options.sampled)
-                           : climbing ? describe(arguments.climbing)
-                                      : describe(options);
-  const std::string chosen = describe(choice);
   const auto journal =
-      climbing
-          ? nullptr
-          : keep_journal(*runner, arguments.output,
-                         "see, scene " + std::to_string(checksum_of(file)) + "; " + chosen + "; " + made);
+      keep_journal(*runner, arguments.output,
+                   "see, scene " + std::to_string(checksum_of(file)) + "; " + chosen + "; " + made);
   ChosenCells cells = choose_cells(file.scene, file.cells, choice, count_triangles(file.scene, *runner));
   file.cells = std::move(cells.cells);
   if (runner->leads()) std::fputs(cells.table.c_str(), stdout);
 
+  const Sight sight = producer.see(file.scene, file.cells, arguments.options, *runner, show_stages(*runner));
+  if (!runner->leads()) return;
   Output output{{}, arguments};
-  output.all.provenance =
-      (std::holds_alternative<std::monostate>(choice) ? "" : chosen + "; ") + file.provenance;
-  output.all.seed = arguments.seed;
+  output.all.provenance = made + "; of " +
+                          (std::holds_alternative<std::monostate>(choice) ? "" : chosen + "; ") +
+                          file.provenance;
+  output.all.seed = arguments.options.seed.value_or(1);
   output.all.row_bounds = cell_bounds(file.cells);
   output.all.column_bounds = object_bounds(file.scene);
   output.all.row_neighbours = file.cells.neighbours;
   output.all.source.tree = std::move(file.tree);
-
-  if (climbing) {
-    if (runner->leads()) run_climbing(arguments, file, output);
-  } else if (sampling) {
-    const RayCaster caster(file.scene);
-    const AimedRays rays(file.scene, caster);
-    const Sight sight = see_by_sampling(rays, file.cells, *options.sampled, *runner,
-                                        runner->leads() ? show_progress("looking around") : Progress{});
-    if (runner->leads()) {
-      output.write(arguments.output, sight.seen, Guarantee::aggressive, made, sight.lines, sight.degree);
-      std::printf("  %s rays\n", grouped(sight.rays).c_str());
-    }
-    print_error(rays, file.cells, sight, arguments.seed, *runner);
+  output.write(arguments.output, producer.listed(sight), producer.guarantee, sight);
+  if (!arguments.seen.empty()) output.write(arguments.seen, sight.seen, Guarantee::aggressive, sight);
+  if (producer.guarantee == Guarantee::aggressive) {
+    print_search(sight);
   } else {
-    const Sight sight = see_bounds(file.scene, file.cells, options, *runner, show_stages(*runner));
-    if (runner->leads()) {
-      output.write(arguments.output, sight.not_hidden, Guarantee::conservative, made);
-      if (!arguments.seen.empty()) {
-        output.write(arguments.seen, sight.seen, Guarantee::aggressive, made, sight.lines, sight.degree);
-      }
-      print_states(sight, options.sampled.has_value());
-    }
+    print_states(sight, producer.seen_too);
   }
-  if (journal) journal->remove();
+  journal->remove();
+}
+
+/// --producer, and an option for whatever producers take.
+void add_producers(const Verb& verb, Arguments& arguments) {
+  std::vector<std::string> names;
+  for (const Producer& producer : producers()) names.emplace_back(producer.name);
+  verb.option("--producer", arguments.producer, "How; see below").one_of(names);
+  for (const ProducerOption& option : producer_options()) {
+    const std::string help = std::string(option.help) + " (" + takers_of(option) + "; default " +
+                             (option.by_default.empty() ? "by effort" : std::string(option.by_default)) + ")";
+    std::visit(
+        [&](auto member) { verb.option("--" + std::string(option.name), arguments.options.*member, help); },
+        option.setting);
+  }
+}
+
+/// A line a producer.
+std::string ideas() {
+  std::string text;
+  for (const Producer& producer : producers()) {
+    const bool aggressive = producer.guarantee == Guarantee::aggressive;
+    text += std::string(producer.name) + ": " + std::string(producer.idea) + ". " +
+            (aggressive ? "All that is listed is visible" : "What is listed includes all that is visible") +
+            (producer.seen_too ? "; --seen has what is visible for sure" : "") + ".\n";
+  }
+  return text;
 }
 
 }  // namespace
@@ -258,41 +228,15 @@ void add_see(Program& program) {
   verb.option("SCENE", a.scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
       .required();
   verb.output(a.output, "The matrix file to write (.bsp.h5 or .mtx)");
-  verb.option("--seen", a.seen,
-              "Also write the matrix of what is proven to be seen, with its sight lines (sandwich)");
-  verb.option("--producer", a.producer,
-              "How: by shadows, by sampled rays, or by both (sandwich); climbing is for cities of boxes")
-      .one_of({"shadow", "sampled", "sandwich", "climbing"});
+  verb.option("--seen", a.seen, "Also write the matrix of what is proven to be seen, with its sight lines");
   add_cells_options(verb, a.cells);
-  verb.option("--effort", a.effort,
-              "0: shadows of the whole view cell; 1: also rays, and some patches of the cell's boundary; 2: "
-              "many patches")
-      .between(0, 2);
-  verb.option("--points", a.points, "Number of projection points of a view cell: 1, 9 or 27 (by effort)");
-  verb.option("--patches", a.patches,
-              "Greatest number of patches of a view cell's boundary to look from (by effort)");
-  verb.option("--resolution", a.resolution, "Pixels along a side of each of a view's six faces (by effort)");
-  verb.option("--patch-resolution", a.patch_resolution, "The same for patches (by effort)");
-  verb.option("--rays", a.rays,
-              "Greatest number of aimed rays for each view cell and round (sampled, sandwich)");
-  verb.option("--patch-rays", a.patch_rays, "Number of rays for each patch (sandwich)");
-  verb.option("--directions", a.climbing.directions,
-              "Climbing: number of unaimed directions around each viewpoint in the first pass");
-  verb.option("--viewpoints", a.climbing.origins,
-              "Climbing: number of viewpoints on each edge of a view cell in each pass");
-  verb.option("--passes", a.climbing.passes, "Climbing: greatest number of passes");
-  verb.option("--enough", a.climbing.enough_yield,
-              "Climbing: a view cell is done when a pass adds less than this share of what it sees");
-  verb.option("--seed", a.seed, "Another seed casts other rays");
-  verb.threads(a.threads);
+  add_producers(verb, a);
+  verb.threads(a.options.threads);
   const Option nodes =
       verb.flag("--nodes", a.nodes, "Each column is a node of the scene's tree (the default if it has one)");
   verb.flag("--objects", a.objects, "Each column is an object").excludes(nodes);
-  verb.note(
-      "shadow lists all that is visible, and perhaps more. sampled and climbing list only what is visible, "
-      "and perhaps not all of it. sandwich gives both: -o has what is not proven to be hidden, --seen what "
-      "is proven to be seen.\n"
-      "A run that was killed continues where it was; 'mpirun -n K vismat see ...' shares the work.");
+  verb.note(ideas() +
+            "A run that was killed continues where it was; 'mpirun -n K vismat see ...' shares the work.");
   verb.example(
       "vismat see station.obj --cells grid:4 --eyes 1.5,1.8 -o station.bsp.h5 --seen station.seen.bsp.h5");
   verb.runs([arguments] { run(*arguments); });

@@ -85,8 +85,8 @@ Option Option::required() const {
   return *this;
 }
 
-Option Option::one_of(std::initializer_list<const char*> words) const {
-  option_->check(CLI::IsMember(std::vector<std::string>(words.begin(), words.end())));
+Option Option::one_of(const std::vector<std::string>& words) const {
+  option_->check(CLI::IsMember(words));
   return *this;
 }
 

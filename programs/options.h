@@ -1,7 +1,6 @@
 // The command line of a program with verbs: each verb's options, its help with examples, and what it runs.
 #pragma once
 #include <functional>
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +16,7 @@ namespace vismat {
 class Option {
  public:
   Option required() const;
-  Option one_of(std::initializer_list<const char*> words) const;
+  Option one_of(const std::vector<std::string>& words) const;
   Option between(double low, double high) const;  // both inclusive
   Option positive() const;
   Option not_negative() const;

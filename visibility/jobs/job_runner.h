@@ -1,5 +1,6 @@
 // Runs stages of independent pieces of work, on the threads of one process or of many, and keeps what is done.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -8,6 +9,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "matrix/base/byte_reader.h"
@@ -81,6 +83,28 @@ inline std::vector<std::uint64_t> missing_pieces(PieceStore* store, const std::s
   std::iota(all.begin(), all.end(), std::uint64_t{0});
   return all;
 }
+
+/// Progress of at most so many stages one after another, of about as many pieces each.
+class ProgressOfRounds {
+ public:
+  ProgressOfRounds(Progress all, std::uint32_t rounds) : all_(std::move(all)), rounds_(rounds) {}
+  Progress round(std::uint32_t round) {
+    if (!all_) return {};
+    return [this, round](std::uint64_t done, std::uint64_t total) {
+      pieces_ = std::max(pieces_, total);
+      all_(std::min(round * pieces_ + done, rounds_ * pieces_), rounds_ * pieces_);
+    };
+  }
+  /// The last round is over, perhaps before its time.
+  void end() const {
+    if (all_) all_(rounds_ * pieces_, rounds_ * pieces_);
+  }
+
+ private:
+  Progress all_;
+  std::uint32_t rounds_;
+  std::uint64_t pieces_ = 0;  // of the longest stage so far
+};
 
 /// The threads of this process (0: one a core).
 class ThreadJobRunner : public JobRunner {

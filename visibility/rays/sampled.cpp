@@ -350,19 +350,12 @@ Sight see_by_sampling(const AimedRays& rays, const ViewCells& cells, const Sampl
                                 std::to_string(shape.columns) + " objects");
   }
   Rounds rounds(rays, cells, options, not_hidden, runner);
-  std::uint64_t pieces = 0;
+  ProgressOfRounds progress_of_rounds(progress, options.rounds);
   for (std::uint32_t round = 0; round < options.rounds; ++round) {
-    Progress of_all;
-    if (progress) {
-      of_all = [&](std::uint64_t done, std::uint64_t total) {
-        pieces = std::max(pieces, total);
-        progress(std::min(round * pieces + done, options.rounds * pieces), options.rounds * pieces);
-      };
-    }
-    const std::uint64_t added = rounds.run(round, of_all);
+    const std::uint64_t added = rounds.run(round, progress_of_rounds.round(round));
     if (static_cast<double>(added) < options.enough_yield * static_cast<double>(rounds.entries())) break;
   }
-  if (progress) progress(options.rounds * pieces, options.rounds * pieces);
+  progress_of_rounds.end();
   return rounds.result();
 }
 

@@ -40,13 +40,6 @@ Sight see_by_sampling(const Scene& scene, const ViewCells& cells, const SampledO
 /// One line that names every parameter.
 std::string describe(const SampledOptions& options);
 
-/// What rays that took no part in the search say of its result, for one cell.
-struct HeldBack {
-  std::uint32_t rays = 0,
-                missed_rays = 0;  // in random directions, that saw anything; an object that is not listed
-  std::uint32_t objects = 0,
-                missed_objects = 0;  // that these and as many rays aimed at random objects saw; not listed
-};
 /// One for each cell, by 2 * `rays` rays each. missed_rays / rays estimates the pixel error: the share of the view that shows what
 /// is not listed; missed_objects / objects the share of objects, of those that are about as easy to see as what these rays find.
 std::vector<HeldBack> held_back_error(const AimedRays& rays, const ViewCells& cells,

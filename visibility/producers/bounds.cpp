@@ -1,7 +1,7 @@
 // ALGORITHM. The shadows of a cell's first views leave some objects; rays are aimed at those alone, and find most of what is seen; what
 // neither proves is looked at from patches of the cell's boundary, with rays from where it may be seen. So each method works only
 // where the other gave no answer.
-#include "visibility/producers/see.h"
+#include "visibility/producers/bounds.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -118,6 +118,28 @@ BoundsOptions effort(unsigned level) {
       throw std::invalid_argument("effort " + std::to_string(level) + " is none of 0, 1 and 2");
   }
   return options;
+}
+
+BoundsOptions bounds_options(const ProducerOptions& options, bool with_rays) {
+  BoundsOptions bounds = effort(options.effort.value_or(1));
+  const auto set = [](auto& value, const auto& wanted) {
+    if (wanted) value = *wanted;
+  };
+  set(bounds.shadow.points, options.points);
+  set(bounds.shadow.patches, options.patches);
+  set(bounds.shadow.resolution, options.resolution);
+  set(bounds.shadow.patch_resolution, options.patch_resolution);
+  if (with_rays) {
+    if (!bounds.sampled) bounds.sampled.emplace();
+    set(bounds.sampled->rays, options.rays);
+    set(bounds.patch_rays, options.patch_rays);
+    set(bounds.sampled->seed, options.seed);
+  } else {
+    bounds.sampled.reset();
+    bounds.patch_rays = 0;
+  }
+  bounds.occluders.threads = options.threads;
+  return bounds;
 }
 
 Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, JobRunner& runner,

@@ -1,5 +1,5 @@
-// The producers that prove what is hidden and what is seen.
-#include "visibility/producers/see.h"
+// Bounds by shadows and rays.
+#include "visibility/producers/bounds.h"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ bool within(const VisibilityMatrix& inner, const VisibilityMatrix& outer) {
   return loss_of(outer, inner).missing == 0;
 }
 
-TEST(See, BoundsLieInOneAnotherAndRaysLieBetween) {
+TEST(Bounds, BoundsLieInOneAnotherAndRaysLieBetween) {
   const SceneFile city = small_city();
   ThreadJobRunner runner;
   const Sight quick = see_bounds(city.scene, city.cells, effort(0), runner),
@@ -45,7 +45,7 @@ TEST(See, BoundsLieInOneAnotherAndRaysLieBetween) {
   EXPECT_LT(better.not_hidden.density(), 0.95);
 }
 
-TEST(See, EverySightLineIsASightLine) {
+TEST(Bounds, EverySightLineIsASightLine) {
   const SceneFile city = small_city();
   ThreadJobRunner runner;
   const Sight sight = see_bounds(city.scene, city.cells, effort(1), runner);
@@ -66,7 +66,7 @@ TEST(See, EverySightLineIsASightLine) {
   }
 }
 
-TEST(See, IsTheSameForAnyNumberOfThreads) {
+TEST(Bounds, IsTheSameForAnyNumberOfThreads) {
   const SceneFile city = small_city();
   ThreadJobRunner one(1), three(3);
   const Sight a = see_bounds(city.scene, city.cells, effort(1), one),
@@ -77,7 +77,7 @@ TEST(See, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(a.rays, b.rays);
 }
 
-TEST(See, ASmallerCellSeesLess) {
+TEST(Bounds, ASmallerCellSeesLess) {
   SceneFile city = small_city();
   city.cells.corners.clear();
   const float at = 4 * 20;
@@ -90,7 +90,7 @@ TEST(See, ASmallerCellSeesLess) {
   EXPECT_GE(sight.not_hidden.row(1).size(), sight.not_hidden.row(2).size());
 }
 
-TEST(See, EmptyScenesAndNoCellsAreFine) {
+TEST(Bounds, EmptyScenesAndNoCellsAreFine) {
   ThreadJobRunner runner;
   ViewCells one;
   one.boxes = {{{0, 0, 0}, {1, 1, 1}}};

@@ -1,10 +1,11 @@
-// What each view cell of a scene sees, what is surely hidden from it, and what is between.
+// Bounds on what each view cell of a scene sees: what shadows prove hidden and, if wanted, what rays prove seen.
 #pragma once
 #include <cstdint>
 #include <optional>
 #include <string>
 
 #include "visibility/jobs/job_runner.h"
+#include "visibility/producers/producers.h"
 #include "visibility/rays/sampled.h"
 #include "visibility/shadows/occluders.h"
 #include "visibility/shadows/shadow.h"
@@ -25,6 +26,8 @@ struct BoundsOptions {
 /// Time for accuracy, in three steps: 0 is one shadow view a cell, from nine of its points; 1 a sandwich with some patches; 2 with
 /// many, about 8, 120 and 950 ms a cell of a city of a million triangles. Throws std::invalid_argument for others.
 BoundsOptions effort(unsigned level);
+/// What `options` make of the effort that they name: shadows alone, or a sandwich.
+BoundsOptions bounds_options(const ProducerOptions& options, bool with_rays);
 
 /// Sight::degree and Sight::lines as see_by_sampling() gives them. Same scene, cells and options, same result, for any JobRunner, on one kind of CPU.
 Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, JobRunner& runner,

@@ -1,4 +1,4 @@
-#include "visibility/rays/ray_sampling.h"
+// The producer "climbing" against plain rays and scenes whose answer is known.
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 #include "matrix/base/random.h"
 #include "tests/visibility/open_boxes.h"
 #include "visibility/generators/city.h"
+#include "visibility/producers/producers.h"
 #include "visibility/rays/ray_caster.h"
 
 namespace vismat {
@@ -21,21 +22,27 @@ void add_cell(ViewCells& cells, float x, float y) {
   cells.corners.insert(cells.corners.end(), {{x - 1, y - 1, 0}, {x + 1, y - 1, 0}, {x, y + 1, 0}});
 }
 
+Sight climb(const Scene& scene, const ViewCells& cells, const ProducerOptions& options = {},
+            unsigned threads = 0) {
+  ThreadJobRunner runner(threads);
+  return producer_named("climbing").see(scene, cells, options, runner, {});
+}
+
 Ids row(const VisibilityMatrix& matrix, std::uint32_t r) {
   return {matrix.row(r).begin(), matrix.row(r).end()};
 }
 
-TEST(RaySampling, WallHidesWhatIsBehindIt) {
+TEST(Climbing, WallHidesWhatIsBehindIt) {
   Scene scene;
   add_open_box(scene, {{-100, 10, 0}, {100, 11, 10}});  // 0: the wall
   add_open_box(scene, {{-5, -20, 0}, {5, -15, 5}});     // 1: in the open
   add_open_box(scene, {{-5, 20, 0}, {5, 25, 5}});       // 2: behind the wall
   ViewCells cells;
   add_cell(cells, 0, 0);
-  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1}));
+  EXPECT_EQ(row(climb(scene, cells).seen, 0), (Ids{0, 1}));
 }
 
-TEST(RaySampling, TwoSidesOfAWall) {
+TEST(Climbing, TwoSidesOfAWall) {
   Scene scene;
   add_open_box(scene, {{-1000, -1, 0}, {1000, 1, 10}});
   add_open_box(scene, {{-5, -20, 0}, {5, -15, 5}});
@@ -43,13 +50,13 @@ TEST(RaySampling, TwoSidesOfAWall) {
   ViewCells cells;
   add_cell(cells, 0, -8);
   add_cell(cells, 0, 8);
-  const SeenByRays seen = see_by_rays(scene, cells);
-  EXPECT_EQ(seen.objects, VisibilityMatrix::from_rows({{0, 1}, {0, 2}}, 3));
-  EXPECT_EQ(seen.last_yield.size(), 2u);
+  const Sight seen = climb(scene, cells);
+  EXPECT_EQ(seen.seen, VisibilityMatrix::from_rows({{0, 1}, {0, 2}}, 3));
+  EXPECT_TRUE(seen.last_found);
   EXPECT_GT(seen.rays, 0u);
 }
 
-TEST(RaySampling, TowersRiseOverRoofs) {
+TEST(Climbing, TowersRiseOverRoofs) {
   Scene scene;
   add_open_box(scene, {{-100, 10, 0}, {100, 12, 4}});  // 0: a low wall
   add_open_box(scene, {{-5, 30, 0}, {5, 40, 3}});      // 1: lower still
@@ -59,20 +66,20 @@ TEST(RaySampling, TowersRiseOverRoofs) {
   add_open_box(scene, {{40, 200, 0}, {50, 210, 60}});  // 4: beside the tower
   ViewCells cells;
   add_cell(cells, 0, 0);
-  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 2, 4}));
+  EXPECT_EQ(row(climb(scene, cells).seen, 0), (Ids{0, 2, 4}));
 }
 
-TEST(RaySampling, FindsWhatANarrowGapShows) {
+TEST(Climbing, FindsWhatANarrowGapShows) {
   Scene scene;
   add_open_box(scene, {{-100, 20, 0}, {-0.01f, 21, 50}});
   add_open_box(scene, {{0.01f, 20, 0}, {100, 21, 50}});
   add_open_box(scene, {{-10, 100, 0}, {10, 110, 20}});
   ViewCells cells;
   add_cell(cells, 0, 0);
-  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1, 2}));
+  EXPECT_EQ(row(climb(scene, cells).seen, 0), (Ids{0, 1, 2}));
 }
 
-TEST(RaySampling, GlassIsSeenAndSeenThrough) {
+TEST(Climbing, GlassIsSeenAndSeenThrough) {
   Scene scene;
   add_open_box(scene, {{-100, 10, 0}, {100, 11, 50}});  // 0: a pane
   add_open_box(scene, {{-5, 20, 0}, {5, 25, 5}});       // 1: behind it
@@ -81,7 +88,7 @@ TEST(RaySampling, GlassIsSeenAndSeenThrough) {
   scene.see_through = {1, 0, 1, 0};
   ViewCells cells;
   add_cell(cells, 0, 0);
-  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1, 2}));
+  EXPECT_EQ(row(climb(scene, cells).seen, 0), (Ids{0, 1, 2}));
 }
 
 TEST(RayCaster, PassesWhatIsSeeThrough) {
@@ -113,15 +120,15 @@ TEST(RayCaster, PassesWhatIsSeeThrough) {
   EXPECT_TRUE(opaque.passed(from, along, 1000).empty());
 }
 
-TEST(RaySampling, EyesBetweenTwoHeightsSeeFromBoth) {
+TEST(Climbing, EyesBetweenTwoHeightsSeeFromBoth) {
   Scene scene;
   add_open_box(scene, {{-100, 10, 0}, {100, 11, 5}});
   add_open_box(scene, {{-5, 20, 0}, {5, 25, 4}});
   ViewCells cells;
   add_cell(cells, 0, 0);
-  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0}));
+  EXPECT_EQ(row(climb(scene, cells).seen, 0), (Ids{0}));
   cells.eye_high = 20;
-  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), (Ids{0, 1})) << "over the wall, down to the roof";
+  EXPECT_EQ(row(climb(scene, cells).seen, 0), (Ids{0, 1})) << "over the wall, down to the roof";
 }
 
 /// A slow, obvious judge: rays in all directions, tested against every box.
@@ -158,12 +165,12 @@ Ids seen_by_plain_rays(const std::vector<Box>& boxes, const ViewCells& cells, st
   return ids;
 }
 
-TEST(RaySampling, FindsWhatPlainRaysFind) {
+TEST(Climbing, FindsWhatPlainRaysFind) {
   CityOptions options;
   options.size = 8;
   const SceneFile city = make_city(options);
   const std::vector<Box> boxes = object_bounds(city.scene);
-  const VisibilityMatrix objects = see_by_rays(city.scene, city.cells).objects;
+  const VisibilityMatrix objects = climb(city.scene, city.cells).seen;
   std::size_t reference = 0, missed = 0;
   for (std::uint32_t cell = 0; cell < city.cells.count(); cell += 37) {
     for (const std::uint32_t object : seen_by_plain_rays(boxes, city.cells, cell, 20000)) {
@@ -175,47 +182,42 @@ TEST(RaySampling, FindsWhatPlainRaysFind) {
   EXPECT_LE(missed * 200, reference) << missed << " of " << reference;
 }
 
-TEST(RaySampling, MonotoneOverTheTree) {
+TEST(Climbing, MonotoneOverTheTree) {
   CityOptions options;
   options.size = 8;
   const SceneFile city = make_city(options);
-  const VisibilityMatrix nodes = nodes_from_objects(see_by_rays(city.scene, city.cells).objects, *city.tree);
+  const VisibilityMatrix nodes = nodes_from_objects(climb(city.scene, city.cells).seen, *city.tree);
   EXPECT_TRUE(is_monotone(nodes, *city.tree));
   for (std::uint32_t cell = 0; cell < nodes.shape().rows; ++cell) EXPECT_TRUE(nodes.contains(cell, 0));
 }
 
-TEST(RaySampling, SameForAnyNumberOfThreadsAndAnotherForAnotherSeed) {
-  CityOptions options;
-  options.size = 8;
-  const SceneFile city = make_city(options);
-  RaySamplingOptions rays;
-  rays.passes = 2;
-  rays.origins = 1;
-  rays.directions = 16;
-  rays.threads = 1;
-  const SeenByRays one = see_by_rays(city.scene, city.cells, rays);
-  rays.threads = 2;
-  const SeenByRays two = see_by_rays(city.scene, city.cells, rays);
-  EXPECT_EQ(one.objects, two.objects);
-  EXPECT_EQ(one.rays, two.rays);
-  EXPECT_EQ(one.last_yield, two.last_yield);
-  rays.seed = 2;
-  EXPECT_NE(see_by_rays(city.scene, city.cells, rays).objects, one.objects);
+TEST(Climbing, SameForAnyNumberOfThreadsAndAnotherForAnotherSeed) {
+  CityOptions small;
+  small.size = 8;
+  const SceneFile city = make_city(small);
+  ProducerOptions options;
+  options.passes = 2;
+  options.viewpoints = 1;
+  options.directions = 16;
+  const Sight one = climb(city.scene, city.cells, options, 1);
+  EXPECT_EQ(climb(city.scene, city.cells, options, 2), one);
+  options.seed = 2;
+  EXPECT_NE(climb(city.scene, city.cells, options).seen, one.seen);
 }
 
-TEST(RaySampling, NothingToSeeAndNobodyToSeeIt) {
+TEST(Climbing, NothingToSeeAndNobodyToSeeIt) {
   Scene scene;
   ViewCells cells;
-  EXPECT_EQ(see_by_rays(scene, cells).objects.shape(), (Shape{0, 0}));
+  EXPECT_EQ(climb(scene, cells).seen.shape(), (Shape{0, 0}));
   add_cell(cells, 0, 0);
-  EXPECT_EQ(see_by_rays(scene, cells).objects, VisibilityMatrix(Shape{1, 0}));
+  EXPECT_EQ(climb(scene, cells).seen, VisibilityMatrix(Shape{1, 0}));
   add_open_box(scene, {{10, 10, 0}, {20, 20, 5}});
   scene.object_count = 2;  // the second without triangles
-  EXPECT_EQ(row(see_by_rays(scene, cells).objects, 0), Ids{0});
-  EXPECT_EQ(see_by_rays(scene, {}).objects.shape(), (Shape{0, 2}));
+  EXPECT_EQ(row(climb(scene, cells).seen, 0), Ids{0});
+  EXPECT_EQ(climb(scene, {}).seen.shape(), (Shape{0, 2}));
 }
 
-TEST(RaySampling, OddCellsAndObjects) {
+TEST(Climbing, OddCellsAndObjects) {
   Scene scene;
   add_open_box(scene, {{-10, -10, 0}, {10, 10, 5}});
   add_open_box(scene, {{30, 0, 0}, {30, 0, 0}});      // a point
@@ -224,32 +226,38 @@ TEST(RaySampling, OddCellsAndObjects) {
   add_cell(cells, 0, 0);                                     // within a box
   cells.corners.insert(cells.corners.end(), 3, {15, 0, 0});  // a point
   cells.corners.insert(cells.corners.end(), {{-1e9f, 0, 0}, {1e9f, 0, 0}, {0, 1e9f, 0}});
-  const VisibilityMatrix objects = see_by_rays(scene, cells).objects;
+  const VisibilityMatrix objects = climb(scene, cells).seen;
   EXPECT_EQ(row(objects, 0), Ids{0});
   EXPECT_EQ(row(objects, 1), (Ids{0, 2}));
 }
 
-TEST(RaySampling, RefusesToLookNowhere) {
+TEST(Climbing, RefusesToLookNowhereAndFromBoxes) {
   for (const auto member :
-       {&RaySamplingOptions::passes, &RaySamplingOptions::origins, &RaySamplingOptions::directions}) {
-    RaySamplingOptions options;
+       {&ProducerOptions::passes, &ProducerOptions::viewpoints, &ProducerOptions::directions}) {
+    ProducerOptions options;
     options.*member = 0;
-    EXPECT_THROW(see_by_rays({}, {}, options), std::invalid_argument);
+    EXPECT_THROW(climb({}, {}, options), std::invalid_argument);
   }
-  RaySamplingOptions options;
-  options.enough_yield = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THROW(see_by_rays({}, {}, options), std::invalid_argument);
+  ProducerOptions options;
+  options.enough = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(climb({}, {}, options), std::invalid_argument);
+  ViewCells boxes;
+  boxes.boxes = {{{0, 0, 0}, {1, 1, 1}}};
+  EXPECT_THROW(climb({}, boxes), std::invalid_argument);
 }
 
-TEST(RaySampling, ProgressEndsAtAll) {
+TEST(Climbing, ProgressEndsAtAll) {
   Scene scene;
   add_open_box(scene, {{10, 10, 0}, {20, 20, 5}});
   ViewCells cells;
   add_cell(cells, 0, 0);
   std::uint64_t last = 0, of = 1, calls = 0;
-  see_by_rays(scene, cells, {}, [&](std::uint64_t done, std::uint64_t total) {
-    EXPECT_LE(done, total);
-    last = done, of = total, ++calls;
+  ThreadJobRunner runner;
+  producer_named("climbing").see(scene, cells, {}, runner, [&](const char*) {
+    return [&](std::uint64_t done, std::uint64_t total) {
+      EXPECT_LE(done, total);
+      last = done, of = total, ++calls;
+    };
   });
   EXPECT_GT(calls, 1u);
   EXPECT_EQ(last, of);

@@ -1,0 +1,22 @@
+// The producer "shadow": hidden is what lies in an occluder's shadow, from the whole cell or from every patch of its boundary.
+#include "visibility/producers/bounds.h"
+#include "visibility/producers/producers.h"
+
+namespace vismat {
+
+Producer shadow_producer() {
+  using O = ProducerOptions;
+  Producer producer;
+  producer.name = "shadow";
+  producer.idea = "shrunk shadows of single occluders, joined over patches of a cell's boundary";
+  producer.guarantee = Guarantee::conservative;
+  producer.options = {&O::effort, &O::points, &O::patches, &O::resolution, &O::patch_resolution};
+  producer.describe = [](const O& options) { return describe(bounds_options(options, false)); };
+  producer.see = [](const Scene& scene, const ViewCells& cells, const O& options, JobRunner& runner,
+                    const Stages& stages) {
+    return see_bounds(scene, cells, bounds_options(options, false), runner, stages);
+  };
+  return producer;
+}
+
+}  // namespace vismat
