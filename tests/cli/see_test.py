@@ -1,8 +1,9 @@
-"""vismat see gives the same bytes with threads, with three ranks, and after kill -9; its bounds hold one another.
+"""Every producer of 'vismat see' gives the same bytes with threads, with three ranks, and after kill -9; bounds hold one another.
 
 see_test.py VISMAT MPI (1 if it was built with it)
 """
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -29,36 +30,64 @@ def check(fact, *told):
         sys.exit(f"see_test.py: line {sys._getframe(1).f_lineno}: " + " ".join(map(str, told)))
 
 
-def see(name):
-    return ["see", "city.scene.h5", "--cells", "grid:6,6,1.5", "--region", "20,20,1,80,80,2.5", "--rays", "500", "--patches", "20", "--objects",
-            "-o", f"{name}.bsp.h5", "--seen", f"{name}.seen.bsp.h5"]
+# What makes a producer quick, and what it writes beside -o; a producer that is not here runs as it is by default.
+SMALL = ["small.scene.h5"]
+BOXES = ["city.scene.h5", "--cells", "grid:6,6,1.5", "--region", "20,20,1,80,80,2.5", "--objects"]
+SETTINGS = {
+    "shadow": [*SMALL, "--patches", "20"],
+    "sampled": [*SMALL, "--rays", "500"],
+    "sandwich": [*BOXES, "--rays", "500", "--patches", "20", "--seen", "{}.seen.bsp.h5"],
+    "climbing": [*SMALL, "--viewpoints", "4"],
+}
 
 
-def same(name):
+def see(producer, name):
+    words = SETTINGS.get(producer, SMALL)
+    return ["see", "--producer", producer, "-o", f"{name}.bsp.h5", *(word.format(name) for word in words)]
+
+
+def check_same(name, producer):
+    """As the run that is called after the producer alone."""
     check(not Path(f"{name}.bsp.h5.journal").exists(), name, "left a journal")
     for kind in ("", ".seen"):
-        check(Path(f"{name}{kind}.bsp.h5").read_bytes() == Path(f"one{kind}.bsp.h5").read_bytes(), name, kind, "has other bytes")
+        expected = Path(f"{producer}{kind}.bsp.h5")
+        check(not expected.exists() or Path(f"{name}{kind}.bsp.h5").read_bytes() == expected.read_bytes(), name, kind, "has other bytes")
+
+
+def kill_once_it_grows(words, journal):
+    """Whether the run was still at work."""
+    process = subprocess.Popen([vismat, *words], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    size = journal.stat().st_size if journal.exists() else 0
+    while process.poll() is None and (not journal.exists() or journal.stat().st_size < size + 1000):
+        time.sleep(0.002)
+    process.send_signal(signal.SIGKILL)
+    return process.wait() == -signal.SIGKILL
 
 
 run("city", "--size", "8", "-o", "city.scene.h5")
-run(*see("one"), "--threads", "1")
-run("verify", "one.bsp.h5", "one.seen.bsp.h5")
-run(*see("three"), "--threads", "3")
-same("three")
-if mpi:
-    run(*see("ranks"), "--threads", "1", ranks=3)
-    same("ranks")
+run("city", "--size", "4", "-o", "small.scene.h5")
+producers = re.search(r"--producer\s.*?\{([^}]*)\}", run("see", "--help").stdout, re.S).group(1).split(",")
+check(set(SETTINGS) <= set(producers), producers)
+for producer in producers:
+    run(*see(producer, producer), "--threads", "1")
+    three = producer + ".three"
+    run(*see(producer, three), "--threads", "3")
+    check_same(three, producer)
+    if mpi:
+        ranks = producer + ".ranks"
+        run(*see(producer, ranks), "--threads", "1", ranks=3)
+        check_same(ranks, producer)
 
-# Killed as soon as something is stored, again and again.
-for attempt in range(4):
-    process = subprocess.Popen([vismat, *see("killed"), "--threads", "1"], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    journal = Path("killed.bsp.h5.journal")
-    size = journal.stat().st_size if journal.exists() else 0
-    while process.poll() is None and (not journal.exists() or journal.stat().st_size < size + 2000):
-        time.sleep(0.005)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    check(not Path("killed.bsp.h5").exists() or not journal.exists(), "half written")
-done = run(*see("killed"), ranks=2 if mpi else 0)
-same("killed")
-print("same bytes:", Path("one.bsp.h5").stat().st_size, "and", Path("one.seen.bsp.h5").stat().st_size)
+    killed = producer + ".killed"
+    journal = Path(f"{killed}.bsp.h5.journal")
+    at_work = 0
+    for attempt in range(3):
+        at_work += kill_once_it_grows([*see(producer, killed), "--threads", "1"], journal)
+        check(not Path(f"{killed}.bsp.h5").exists() or not journal.exists(), "half written")
+    check(at_work > 0, producer, "was never killed at work")
+    went_on = journal.exists()
+    done = run(*see(producer, killed), ranks=2 if mpi else 0)
+    check(not went_on or "going on after" in done.stderr, done.stderr)
+    check_same(killed, producer)
+    print(producer, "gives the same bytes:", Path(f"{producer}.bsp.h5").stat().st_size)
+run("verify", "sandwich.bsp.h5", "sandwich.seen.bsp.h5")
