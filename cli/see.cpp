@@ -114,11 +114,12 @@ struct Output {
 };
 
 /// A line a state: how many objects of a cell, on average and at most.
-void print_states(const Sight& sight, bool rays) {
+void print_states(const Sight& sight, bool proves_seen) {
   const Shape shape = sight.not_hidden.shape();
   std::uint64_t most_seen = 0, most_undecided = 0, least_hidden = shape.columns;
   for (std::uint32_t cell = 0; cell < shape.rows; ++cell) {
-    const std::uint64_t seen = sight.seen.row(cell).size(), not_hidden = sight.not_hidden.row(cell).size();
+    const std::uint64_t seen = proves_seen ? sight.seen.row(cell).size() : 0,
+                        not_hidden = sight.not_hidden.row(cell).size();
     most_seen = std::max(most_seen, seen);
     most_undecided = std::max(most_undecided, not_hidden - seen);
     least_hidden = std::min(least_hidden, shape.columns - not_hidden);
@@ -130,10 +131,10 @@ void print_states(const Sight& sight, bool rays) {
   };
   const double seen = static_cast<double>(sight.seen.ones()) / rows,
                not_hidden = static_cast<double>(sight.not_hidden.ones()) / rows;
-  if (rays) tell("seen", seen, "at most", most_seen);
+  if (proves_seen) tell("seen", seen, "at most", most_seen);
   tell("undecided", not_hidden - seen, "at most", most_undecided);
   tell("hidden", columns - not_hidden, "at least", least_hidden);
-  if (rays) std::printf("  %s rays\n", grouped(sight.rays).c_str());
+  if (proves_seen) std::printf("  %s rays\n", grouped(sight.rays).c_str());
 }
 
 /// How many rays, and what they say of how much is missing.

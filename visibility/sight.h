@@ -24,8 +24,8 @@ struct HeldBack {
   bool operator==(const HeldBack&) const = default;
 };
 
-/// Cells x objects. An object is seen, hidden (in neither matrix), or undecided (not hidden, not seen). A producer that proves
-/// nothing hidden leaves not_hidden without rows.
+/// Cells x objects. An object is seen, hidden (in neither matrix), or undecided (not hidden, not seen). Of what a
+/// producer does not tell, seen or not_hidden, the matrix may be without rows.
 struct Sight {
   VisibilityMatrix seen;         // a ray reached it: a lower bound
   VisibilityMatrix not_hidden;   // no occluder was proven to hide it: an upper bound, seen included
