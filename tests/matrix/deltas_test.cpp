@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
 #include <iterator>
 #include <set>
 #include <stdexcept>
@@ -12,21 +11,13 @@
 #include <vector>
 
 #include "matrix/base/random.h"
+#include "tests/refusal.h"
 
 namespace vismat {
 namespace {
 
 using Rows = std::vector<std::vector<std::uint32_t>>;
 constexpr std::uint32_t outside = Boundary::outside;
-
-std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
 
 // Some rows are empty, some equal to an earlier one, some like it.
 VisibilityMatrix random_cells(Shape shape, Random& random) {
@@ -108,12 +99,12 @@ TEST(Deltas, LeadBackToTheCells) {
 
 TEST(Deltas, RefuseNeighboursThatAreNone) {
   const VisibilityMatrix cells({3, 4});
-  EXPECT_EQ(refusal([&] { deltas_of(cells, symmetric(3, {{0, 1}})); }), "");
-  EXPECT_EQ(refusal([&] {
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { deltas_of(cells, symmetric(3, {{0, 1}})); }), "");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] {
               deltas_of(cells, VisibilityMatrix({3, 4}));
             }),
             "the neighbours are 3 x 4, but there are 3 cells");
-  EXPECT_EQ(refusal([&] {
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] {
               deltas_of(cells, VisibilityMatrix::from_rows({{}, {2}, {}}, 3));
             }),
             "cell 1 and its neighbours do not name one another");
@@ -128,13 +119,15 @@ TEST(Deltas, RefuseListsThatContradictOneAnother) {
     for (std::uint32_t r = 0; r < good.lists.shape().rows; ++r)
       rows.emplace_back(good.lists.row(r).begin(), good.lists.row(r).end());
     rows[list] = std::move(ids);
-    return refusal([&] { cells_of({good.boundaries, VisibilityMatrix::from_rows(rows, 6)}); });
+    return test::refusal<std::invalid_argument>([&] {
+      cells_of({good.boundaries, VisibilityMatrix::from_rows(rows, 6)});
+    });
   };
   EXPECT_EQ(changed(2, {1, 2}), "boundary 1, cell 0 to cell 1: column 1 appears, but was visible before");
   EXPECT_EQ(changed(3, {0, 5}), "boundary 1, cell 0 to cell 1: column 5 vanishes, but was not visible");
   EXPECT_EQ(changed(3, {0, 1, 3, 4, 5}), "boundary 1, cell 0 to cell 1: more vanishes than was visible");
   EXPECT_EQ(changed(2, {2, 3}), "boundary 3, cell 1 to cell 2: another way leads to other ids visible there");
-  EXPECT_EQ(refusal([&] {
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] {
               cells_of({good.boundaries, VisibilityMatrix({6, 6})});
             }),
             "4 boundaries, but 6 lists; each has two");
@@ -142,7 +135,7 @@ TEST(Deltas, RefuseListsThatContradictOneAnother) {
 
 TEST(BoundaryMap, RefusesWhatIsNotInOrderOrDoesNotReachEachCell) {
   const auto of = [](std::vector<Boundary> boundaries) {
-    return refusal([&] { BoundaryMap map(boundaries); });
+    return test::refusal<std::invalid_argument>([&] { BoundaryMap map(boundaries); });
   };
   EXPECT_EQ(of({}), "");
   EXPECT_EQ(of({{outside, 0}, {outside, 2}, {0, 1}, {2, 3}}), "");
@@ -201,7 +194,7 @@ TEST(Cross, MergesLikeSets) {
 TEST(Cross, NamesTheColumnThatDoesNotFit) {
   using Ids = std::vector<std::uint32_t>;
   const auto of = [](const Ids& visible, const Ids& appears, const Ids& vanishes) {
-    return refusal([&] {
+    return test::refusal<std::invalid_argument>([&] {
       Ids result(visible.size() + appears.size());
       cross(visible, appears, vanishes, result);
     });
@@ -240,21 +233,27 @@ TEST(Walk, StaysWhereItIsIfNoBoundaryLeadsOn) {
   const auto cells = VisibilityMatrix::from_rows({{0, 1}, {1, 2}, {5}}, 6);
   Deltas deltas = deltas_of(cells, symmetric(3, {{0, 1}}));
   Walk walk(deltas);
-  EXPECT_EQ(refusal([&] { walk.go(1); }), "no boundary leads from outside to cell 1");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { walk.go(1); }),
+            "no boundary leads from outside to cell 1");
   walk.go(0);
-  EXPECT_EQ(refusal([&] { walk.go(2); }), "no boundary leads from cell 0 to cell 2");
-  EXPECT_EQ(refusal([&] { walk.go(0); }), "no boundary leads from cell 0 to cell 0");
-  EXPECT_EQ(refusal([&] { walk.go(77); }), "no boundary leads from cell 0 to cell 77");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { walk.go(2); }),
+            "no boundary leads from cell 0 to cell 2");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { walk.go(0); }),
+            "no boundary leads from cell 0 to cell 0");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { walk.go(77); }),
+            "no boundary leads from cell 0 to cell 77");
   EXPECT_TRUE(std::ranges::equal(walk.visible(), cells.row(0)));
 
   deltas.lists = VisibilityMatrix::from_rows({{0, 1}, {}, {5}, {}, {1}, {}}, 6);
   Walk damaged(deltas);
   damaged.go(0);
-  EXPECT_EQ(refusal([&] { damaged.go(1); }), "column 1 appears, but was visible before");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { damaged.go(1); }),
+            "column 1 appears, but was visible before");
   EXPECT_EQ(damaged.cell(), 0u);
   EXPECT_TRUE(std::ranges::equal(damaged.visible(), cells.row(0)));
   deltas.lists = VisibilityMatrix({4, 6});
-  EXPECT_EQ(refusal([&] { Walk short_of_lists(deltas); }), "3 boundaries, but 4 lists; each has two");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { Walk short_of_lists(deltas); }),
+            "3 boundaries, but 4 lists; each has two");
 }
 
 }  // namespace
