@@ -10,6 +10,7 @@
 #include "codecs/rows/row_codec.h"
 #include "tests/codecs/matrices.h"
 #include "tests/matrix/temporary_folder.h"
+#include "tests/table_name.h"
 
 namespace vismat {
 namespace {
@@ -238,8 +239,7 @@ TEST_P(ProgramCodecs, SaysWhatIsMissing) {
   ::setenv("PATH", path.c_str(), 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, ProgramCodecs, testing::ValuesIn(program_codecs()),
-                         [](const auto& codec) { return std::string(codec.param.name); });
+INSTANTIATE_TEST_SUITE_P(Table, ProgramCodecs, testing::ValuesIn(program_codecs()), test::table_name);
 
 }  // namespace
 }  // namespace vismat

@@ -11,15 +11,10 @@
 #include "codecs/vmat/container.h"
 #include "programs/prepared_for.h"
 #include "tests/codecs/matrices.h"
+#include "tests/table_name.h"
 
 namespace vismat {
 namespace {
-
-std::string test_name(const testing::TestParamInfo<Codec>& codec) {
-  std::string name(codec.param.name);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
 
 using test::NamedMatrix;
 
@@ -122,7 +117,7 @@ TEST_P(EveryCodec, ContainerKeepsEverything) {
   EXPECT_EQ(decompress(read_container(write_container(container)), GetParam()), c.matrix);
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, EveryCodec, testing::ValuesIn(all_codecs()), test_name);
+INSTANTIATE_TEST_SUITE_P(Table, EveryCodec, testing::ValuesIn(all_codecs()), test::table_name);
 
 // Row n: the set of node n, the obvious way.
 VisibilityMatrix sets_of_nodes(const Codec& codec, const Dataset& c) {
@@ -201,8 +196,9 @@ std::vector<Codec> tree_codecs(bool over_rows) {
   });
   return codecs;
 }
-INSTANTIATE_TEST_SUITE_P(Table, EveryTreeCodec, testing::ValuesIn(tree_codecs(true)), test_name);
-INSTANTIATE_TEST_SUITE_P(Table, EveryCodecOverColumns, testing::ValuesIn(tree_codecs(false)), test_name);
+INSTANTIATE_TEST_SUITE_P(Table, EveryTreeCodec, testing::ValuesIn(tree_codecs(true)), test::table_name);
+INSTANTIATE_TEST_SUITE_P(Table, EveryCodecOverColumns, testing::ValuesIn(tree_codecs(false)),
+                         test::table_name);
 
 TEST(Bitmap, IsPaddedToBytes) {
   EXPECT_EQ(bitmap_size({23814, 5461}), 16264962u);  // paper 002, Table 2, artificial 2

@@ -22,7 +22,7 @@ Side over(const ObjectTree& tree) {
   return {&tree, {}, {}};
 }
 
-const std::vector<std::string> names = {"gotsman1", "gotsman2", "gotsman3", "gotsman3-context"};
+const std::vector<std::string> gotsman_names = {"gotsman1", "gotsman2", "gotsman3", "gotsman3-context"};
 
 // v(node) as text of 0 and 1, an object a character, by asking every row below.
 std::string objects_seen(const VisibilityMatrix& matrix, const ObjectTree& tree, std::uint32_t node) {
@@ -91,7 +91,7 @@ ObjectTree chain(std::uint32_t rows) {
 TEST(Gotsman, WritesWhatTheNotationSays) {
   for (const auto& [name, matrix] : test::assorted_matrices()) {
     for (int method = 1; method <= 3; ++method) {
-      const Codec& codec = find_codec(names[static_cast<std::size_t>(method) - 1]);
+      const Codec& codec = find_codec(gotsman_names[static_cast<std::size_t>(method) - 1]);
       const ObjectTree tree = pairs(matrix.shape().rows);
       EXPECT_EQ(codec.encode(matrix, over(tree), {}).payload, obvious_payload(method, matrix, tree))
           << codec.name << ", " << name;
@@ -102,7 +102,7 @@ TEST(Gotsman, WritesWhatTheNotationSays) {
 TEST(Gotsman, RoundTripsOverAChain) {
   const VisibilityMatrix matrix = test::clustered_matrix({70, 200}, 21);
   const ObjectTree tree = chain(70);
-  for (const std::string& name : names) {
+  for (const std::string& name : gotsman_names) {
     const Encoded e = find_codec(name).encode(matrix, over(tree), {});
     EXPECT_EQ(decode(find_codec(name), e, matrix.shape(), over(tree)), matrix) << name;
   }
@@ -111,7 +111,7 @@ TEST(Gotsman, RoundTripsOverAChain) {
 TEST(Gotsman, AnyRowAndNodeAloneIsThatOfTheWhole) {
   const VisibilityMatrix matrix = test::clustered_matrix({120, 300}, 22);
   for (const ObjectTree& tree : {pairs(120), chain(120)}) {
-    for (const std::string& name : names) {
+    for (const std::string& name : gotsman_names) {
       const Encoded e = find_codec(name).encode(matrix, over(tree), {});
       const NodeReader reader(find_codec(name), Parts(e), matrix.shape(), tree);
       for (std::uint32_t row = 0; row < 120; ++row) {
@@ -133,7 +133,7 @@ TEST(Gotsman, AnyRowAndNodeAloneIsThatOfTheWhole) {
 TEST(Gotsman, AKeptPathGivesTheSameSets) {
   const VisibilityMatrix matrix = test::clustered_matrix({90, 300}, 23);
   const ObjectTree tree = pairs(90);
-  for (const std::string& name : names) {
+  for (const std::string& name : gotsman_names) {
     const Encoded e = find_codec(name).encode(matrix, over(tree), {});
     const NodeReader reader(find_codec(name), Parts(e), matrix.shape(), tree);
     NodePath path;
@@ -208,7 +208,7 @@ TEST(Gotsman, RefusesTreesThatAreNotBinaryOverTheRows) {
         rows[leaf] = ObjectTree::none;
       }),
   };
-  for (const std::string& name : names) {
+  for (const std::string& name : gotsman_names) {
     const Codec& codec = find_codec(name);
     const Encoded e = codec.encode(matrix, over(good), {});
     EXPECT_THROW(codec.encode(matrix, {}, {}), std::invalid_argument);

@@ -1,4 +1,4 @@
-// Codes for a row's gaps and runs: every list comes back, damage is refused, the worst rows are as bad as the headers say.
+// Codes for a row's gaps and runs: every list comes back, damage is refused.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 #include "codecs/rows/pairs.h"
 #include "codecs/vmat/container.h"
 #include "codecs/vmat/row_reader.h"
+#include "tests/codecs/coded_lists.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {
@@ -23,39 +24,8 @@ namespace {
 
 using Numbers = std::vector<std::uint32_t>;
 using Bytes = std::vector<std::byte>;
-
-template <typename Code>
-constexpr bool has_model = requires(Code code, ByteReader& in) {
-  code.read_model(in);
-};
-
-// What an encoder makes of lists, and a code that reads it.
-template <typename Code>
-struct Coded {
-  Code reader;
-  std::vector<Bytes> lists;
-};
-
-template <typename Code>
-Coded<Code> code_lists(const std::vector<Numbers>& lists) {
-  Code writer;
-  Coded<Code> coded;
-  if constexpr (has_model<Code>) {
-    for (const Numbers& list : lists) writer.see(list);
-    Bytes model;
-    writer.write_model(model);
-    ByteReader in(model, "model");
-    coded.reader.read_model(in);
-    EXPECT_EQ(in.left(), 0u);
-  }
-  for (const Numbers& list : lists) {
-    Bytes bytes = {std::byte{0xee}};  // a list is appended to what is there
-    writer.put(bytes, list);
-    EXPECT_EQ(bytes[0], std::byte{0xee});
-    coded.lists.emplace_back(bytes.begin() + 1, bytes.end());
-  }
-  return coded;
-}
+using test::code_lists;
+using test::has_model;
 
 template <typename Code>
 Numbers read_list(const Code& code, std::span<const std::byte> bytes, std::size_t room = 256) {
@@ -245,177 +215,6 @@ TEST(GoldenLists, OfEveryCode) {
   Bytes row;
   EliasFanoRows{100}.encode(std::vector<std::uint32_t>{4, 5, 7, 11, 82, 83, 84, 85, 87, 88}, row);
   EXPECT_EQ(hex(row), "0aeca7b10717c017");
-}
-
-// --- Worst rows, without the escape -------------------------------------------------------------------------------------
-
-template <typename Code>
-std::size_t bytes_of_row(const std::vector<std::uint32_t>& ids) {
-  Numbers memory;
-  const auto numbers = pairs_of_row(ids, memory);
-  return code_lists<Code>({{numbers.begin(), numbers.end()}}).lists[0].size();
-}
-
-std::vector<std::uint32_t> twos(std::uint32_t columns) {  // two zeros, two ones ...
-  std::vector<std::uint32_t> ids;
-  for (std::uint32_t c = 0; c < columns; ++c) {
-    if (c % 4 >= 2) ids.push_back(c);
-  }
-  return ids;
-}
-
-std::vector<std::uint32_t> random_row(std::uint32_t columns, std::uint32_t one_in, std::uint64_t seed) {
-  Random random(seed);
-  std::vector<std::uint32_t> ids;
-  for (std::uint32_t c = 0; c < columns; ++c) {
-    if (random.below(one_in) == 0) ids.push_back(c);
-  }
-  return ids;
-}
-
-std::vector<std::vector<std::uint32_t>> adversarial_rows(std::uint32_t columns) {
-  std::vector<std::vector<std::uint32_t>> rows = {{}, {0}, {columns - 1}, {0, columns - 1}, twos(columns)};
-  std::vector<std::uint32_t> even, odd, full;
-  for (std::uint32_t c = 0; c < columns; ++c) {
-    full.push_back(c);
-    (c % 2 == 0 ? even : odd).push_back(c);
-  }
-  rows.insert(rows.end(), {even, odd, full});
-  for (const std::uint32_t one_in : {2u, 3u, 10u, 100u}) rows.push_back(random_row(columns, one_in, one_in));
-  std::vector<std::uint32_t> growing;  // every gap and every run another symbol
-  for (std::uint32_t c = 0, length = 1; c < columns; c += 2 * length, ++length) {
-    for (std::uint32_t i = 0; i < length && c + length + i < columns; ++i) growing.push_back(c + length + i);
-  }
-  rows.push_back(growing);
-  return rows;
-}
-
-TEST(WorstRow, OfGammaTakesThreeHalvesOfItsColumnsAndOfDeltaTwice) {
-  const std::uint32_t columns = 8000;
-  // the first gap is told as 3, the list's end takes a bit
-  EXPECT_EQ(bytes_of_row<GammaCode>(twos(columns)), columns * 3 / 2 / 8 + 1);
-  EXPECT_EQ(bytes_of_row<DeltaCode>(twos(columns)), columns * 2 / 8 + 1);
-  for (const auto& ids : adversarial_rows(columns)) {
-    EXPECT_LE(bytes_of_row<GammaCode>(ids), columns * 3 / 2 / 8 + 1);
-    EXPECT_LE(bytes_of_row<DeltaCode>(ids), columns * 2 / 8 + 1);
-  }
-  for (std::uint32_t x = 1; x < 100000; ++x) {
-    const auto n = static_cast<std::uint32_t>(std::bit_width(x));
-    EXPECT_LE(2 * (2 * n - 1), 3 * x);
-    EXPECT_LE(n - 1 + 2 * static_cast<std::uint32_t>(std::bit_width(n)) - 1, 2 * x);
-  }
-}
-
-TEST(WorstRow, OfRiceTakes98BitsFor67Columns) {
-  const auto cost = [](std::uint32_t x, unsigned k) {
-    const std::uint32_t quotient = (x - 1) >> k;
-    return quotient < 24 ? quotient + 1 + k : 56;
-  };
-  for (std::uint32_t x = 1; x < 1000; ++x) EXPECT_LE(36 * cost(x, 0) + 31 * cost(x, 1), 98 * x) << x;
-  const auto bound =
-      [](std::uint64_t columns) {  // the first number is counted from 1; parameters, end, padding
-        return 1 + (98 * (columns + 1) / 67 + 1 + 7) / 8;
-      };
-  for (const std::uint32_t columns : {17u, 64u, 999u, 8000u}) {
-    for (const auto& ids : adversarial_rows(columns))
-      EXPECT_LE(bytes_of_row<RiceCode>(ids), bound(columns)) << columns;
-  }
-  std::vector<std::uint32_t> worst;
-  std::uint32_t columns = 0;
-  for (std::uint32_t i = 0; i < 43 * 50; ++i) {
-    const std::uint32_t length = i % 43 == 0 ? 25 : 1;
-    columns += length;
-    for (std::uint32_t j = 0; j < length; ++j) worst.push_back(columns++);
-  }
-  EXPECT_LE(bytes_of_row<RiceCode>(worst), bound(columns));
-  EXPECT_GE(bytes_of_row<RiceCode>(worst), std::size_t{columns} * 98 / 67 / 8);
-}
-
-TEST(WorstRow, OfInterpolativeCodeTakesItsSlackOnceALevel) {
-  for (const std::uint32_t columns : {17u, 999u, 8000u}) {
-    for (const auto& ids : adversarial_rows(columns)) {
-      Numbers memory;
-      const auto numbers = pairs_of_row(ids, memory);
-      if (numbers.empty()) continue;
-      std::uint64_t sum = 0;
-      for (const std::uint32_t number : numbers) sum += number;
-      const auto levels = static_cast<std::uint64_t>(std::bit_width(numbers.size() - 1));
-      EXPECT_LE(bytes_of_row<InterpolativeCode>(ids), 6 + (sum - numbers.size()) * levels / 8 + 1);
-    }
-  }
-  std::size_t most = 0;
-  for (std::size_t place = 0; place < 256; ++place) {
-    Numbers list(256, 1);
-    list[place] = 2;
-    most = std::max(most, code_lists<InterpolativeCode>({list}).lists[0].size());
-  }
-  EXPECT_EQ(most, 3u + 2u);  // two varints; 8 levels and the end
-}
-
-TEST(WorstRow, OfHuffmanWithItsOwnTableHasEveryNumberOnce) {
-  Numbers list;
-  for (std::uint32_t s = 0; s < LengthSymbol::count; ++s) list.push_back(length_of_symbol(s, 0));
-  std::size_t raw_bits = 0;
-  for (std::uint32_t s = 0; s < LengthSymbol::count; ++s) raw_bits += raw_bits_of_symbol(s);
-  const std::size_t size = code_lists<OwnHuffmanCode>({list}).lists[0].size();
-  EXPECT_GE(size, list.size() * 7 / 8 + raw_bits / 8);
-  EXPECT_LE(size, 1 + list.size() + (list.size() * 8 + raw_bits) / 8 + 1);
-}
-
-// A number rare in the file, alone in its list: up to 15 bits of shared Huffman, 11 and a state of shared ANS, raw bits.
-TEST(WorstRow, OfSharedTablesHasWhatIsRareElsewhere) {
-  const Numbers rare = {0xffffffff};
-  std::vector<Numbers> lists = {rare};
-  std::uint32_t weight = 1, before = 1;
-  for (std::uint32_t s = 1; s < 30; ++s) {  // as Fibonacci's numbers, for the longest codes
-    for (std::uint32_t i = 0; i < weight; ++i) lists.push_back({s});
-    weight = std::exchange(before, before + weight);
-    if (weight > 100000) break;
-  }
-  EXPECT_EQ(code_lists<SharedHuffmanCode>(lists).lists[0].size(), (15u + 29u + 1u + 7u) / 8);
-  EXPECT_EQ(code_lists<AnsCode>(lists).lists[0].size(), (11u + 11u + 29u + 1u + 7u) / 8);
-}
-
-TEST(WorstRow, OfLzwRepeatsNoPairOfBytes) {
-  Numbers list;  // pairs of bytes below 128, each pair once
-  for (std::uint32_t step = 1; step < 64; ++step) {
-    for (std::uint32_t i = 0; i < 127; ++i) list.push_back(1 + i * step % 127);
-  }
-  const std::size_t size = code_lists<LzwCode>({list}).lists[0].size();
-  EXPECT_GT(size, list.size() * 14 / 10);
-  EXPECT_LE(size, list.size() * 12 / 8 + 1);
-}
-
-TEST(WorstRow, OfEliasFanoIsTheFullOne) {
-  for (const std::uint32_t columns : {17u, 999u, 8000u}) {
-    EliasFanoRows rows{columns};
-    for (const auto& ids : adversarial_rows(columns)) {
-      Bytes bytes;
-      rows.encode(ids, bytes);
-      const auto n = static_cast<double>(ids.size()), c = static_cast<double>(columns);
-      const double bits = ids.empty() ? 0 : n * 2 >= c ? n + c : n * (std::log2(c / n) + 3);
-      EXPECT_LE(static_cast<double>(bytes.size()), bits / 8 + 5) << ids.size() << " of " << columns;
-      EXPECT_TRUE(ids.size() < columns || bytes.size() >= columns / 4);
-    }
-  }
-}
-
-TEST(WorstRow, IsNeverLargerThanItsBitmapWhereARowStandsAlone) {
-  for (const Codec& codec : own_codecs()) {
-    // Codecs of engines have no escape; those over trees are none of single rows.
-    if (!codec.rows_alone() || codec.origin == Origin::baseline) continue;
-    for (const std::uint32_t columns : {1u, 7u, 8u, 9u, 64u, 1000u, 20000u}) {
-      const auto matrix = VisibilityMatrix::from_rows(adversarial_rows(columns + 2), columns + 2);
-      const auto file = write_container(compress(matrix, codec));
-      const RowReader reader(file);
-      if (reader.cost(matrix.shape().rows - 1).parts != 1) break;  // coded against others
-      RowBuffer<std::uint32_t> ids;
-      for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
-        EXPECT_LE(reader.cost(r).bytes, row_bytes_of(columns + 2)) << codec.name << ", row " << r;
-        EXPECT_TRUE(std::ranges::equal(reader.ids(r, ids), matrix.row(r))) << codec.name << ", row " << r;
-      }
-    }
-  }
 }
 
 // --- Parts ---------------------------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ namespace {
 using test::NamedMatrix;
 using Bytes = std::vector<std::byte>;
 
-std::vector<NamedMatrix> matrices() {
+std::vector<NamedMatrix> panne_matrices() {
   std::vector<NamedMatrix> all = test::assorted_matrices();
   std::vector<std::vector<std::uint32_t>> identity(80), nested(80), halves(60);
   for (std::uint32_t r = 0; r < 80; ++r) {
@@ -58,7 +58,7 @@ std::uint64_t price_by_numbers(const PanneTable& table) {
 }
 
 TEST(PanneSearch, SavesWhatItSaysInEveryStep) {
-  for (const NamedMatrix& m : matrices()) {
+  for (const NamedMatrix& m : panne_matrices()) {
     std::uint64_t before = PanneTable(m.matrix).price(), steps = 0;
     PanneSearch search;
     search.after_step = [&](const PanneTable& table) {
@@ -79,7 +79,7 @@ TEST(PanneSearch, SavesWhatItSaysInEveryStep) {
 
 // A cluster's symbols do not overlap, begin in ascending order, and reach as far as is told.
 TEST(PanneSearch, KeepsWhatPricesRestOn) {
-  for (const NamedMatrix& m : matrices()) {
+  for (const NamedMatrix& m : panne_matrices()) {
     const PanneTable table = search_clusters(m.matrix, {});
     for (std::uint32_t l = 0; l < table.lists().size(); ++l) {
       const auto& list = table.lists()[l];

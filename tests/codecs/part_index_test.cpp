@@ -11,8 +11,8 @@
 namespace vismat {
 namespace {
 
-using Bytes = std::span<const std::byte>;
-constexpr auto as_is = [](Bytes bytes) { return bytes; };
+using Piece = std::span<const std::byte>;
+constexpr auto as_is = [](Piece bytes) { return bytes; };
 
 void expect_reads_back(const std::vector<std::uint64_t>& starts, std::uint64_t payload_bytes) {
   const auto bytes = part_index_bytes(starts, payload_bytes);
@@ -92,7 +92,7 @@ TEST(PartIndex, TellsWhatItReadsAndReadsNothingElse) {
   const PartIndex index(bytes, payload_bytes, as_is);
   for (const std::uint64_t i : {0, 777, 4999}) {
     std::vector<std::byte> alone(bytes.size(), std::byte{0xa5});  // other bytes are overwritten
-    const auto copy = [&](Bytes part) {
+    const auto copy = [&](Piece part) {
       std::copy(part.begin(), part.end(), alone.begin() + (part.data() - bytes.data()));
       return part;
     };

@@ -17,6 +17,7 @@
 #include "matrix/deltas.h"
 #include "tests/codecs/matrices.h"
 #include "tests/matrix/temporary_folder.h"
+#include "tests/table_name.h"
 
 namespace vismat {
 namespace {
@@ -25,12 +26,6 @@ std::vector<Codec> row_codecs() {
   std::vector<Codec> codecs = all_codecs();
   std::erase_if(codecs, [](const Codec& c) { return c.open == nullptr; });
   return codecs;
-}
-
-std::string test_name(const testing::TestParamInfo<Codec>& codec) {
-  std::string name(codec.param.name);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
 }
 
 // The matrix with a tree of pairs over its rows, for codecs that need one.
@@ -168,7 +163,7 @@ TEST_P(EveryRowCodec, SurvivesDamageThatChecksumsDoNotSee) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, EveryRowCodec, testing::ValuesIn(row_codecs()), test_name);
+INSTANTIATE_TEST_SUITE_P(Table, EveryRowCodec, testing::ValuesIn(row_codecs()), test::table_name);
 
 TEST(Container, RefusesEveryPrefixEveryFlippedBitAndMore) {
   const auto file = file_of(test::clustered_matrix({24, 16}, 12), find_codec("quake-rle"));

@@ -7,12 +7,11 @@
 #include <numeric>
 #include <set>
 
+#include "layout/tours/tour.h"
 #include "matrix/base/random.h"
 
 namespace vismat {
 namespace {
-
-using Tour = std::vector<std::uint32_t>;
 
 std::set<std::pair<std::uint32_t, std::uint32_t>> edges(const ArrayTour& tour) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> all;

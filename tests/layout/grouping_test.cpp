@@ -11,6 +11,7 @@
 #include "layout/groups/row_groups.h"
 #include "matrix/base/random.h"
 #include "matrix/loss.h"
+#include "tests/table_name.h"
 
 namespace vismat {
 namespace {
@@ -236,7 +237,7 @@ TEST_P(EveryGrouping, SharesWhatMayBeLostAmongBothSides) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, EveryGrouping, testing::ValuesIn(groupings().begin(), groupings().end()),
-                         [](const auto& grouping) { return std::string(grouping.param.name); });
+                         test::table_name);
 
 TEST(Groupings, AreFoundByName) {
   EXPECT_EQ(find_grouping("seeds").name, "seeds");

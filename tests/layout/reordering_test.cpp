@@ -8,6 +8,7 @@
 #include "layout/cost.h"
 #include "layout/orders/random_order.h"
 #include "tests/codecs/matrices.h"
+#include "tests/table_name.h"
 
 namespace vismat {
 namespace {
@@ -49,12 +50,7 @@ TEST_P(EveryReordering, IsABijectionThatItsInverseUndoesWhateverTheThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, EveryReordering,
-                         testing::ValuesIn(reorderings().begin(), reorderings().end()),
-                         [](const testing::TestParamInfo<Reordering>& method) {
-                           std::string name(method.param.name);
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         testing::ValuesIn(reorderings().begin(), reorderings().end()), test::table_name);
 
 // Columns see a sliding window of rows; shuffled, the planted order has by far the fewest runs.
 class PlantedOrder : public testing::TestWithParam<std::pair<const char*, double>> {};

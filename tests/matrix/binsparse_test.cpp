@@ -52,37 +52,37 @@ struct Source {
   }
 };
 
-const auto expected = VisibilityMatrix::from_rows({{1, 3}, {}, {0, 1, 2}}, 4);
+const auto stored = VisibilityMatrix::from_rows({{1, 3}, {}, {0, 1, 2}}, 4);
 
 TEST(Binsparse, ReadsEveryMatrixFormat) {
   Source source;
-  EXPECT_EQ(source.matrix(), expected);
+  EXPECT_EQ(source.matrix(), stored);
 
   source.descriptor["format"] = "DCSR";
   source.pointers = {0, 2, 5};
   source.indices_0 = {0, 2};
-  EXPECT_EQ(source.matrix(), expected);
+  EXPECT_EQ(source.matrix(), stored);
 
   source.pointers = {};
   source.indices_0 = {0, 0, 2, 2, 2};
   for (const char* name : {"COO", "COOR"}) {
     source.descriptor["format"] = name;
-    EXPECT_EQ(source.matrix(), expected);
+    EXPECT_EQ(source.matrix(), stored);
   }
 
   source.descriptor["format"] = "COOC";
   source.indices_0 = {0, 1, 1, 2, 3};
   source.indices_1 = {2, 0, 2, 2, 0};
-  EXPECT_EQ(source.matrix(), expected);
+  EXPECT_EQ(source.matrix(), stored);
 
   source.descriptor["format"] = "CSC";
   source.indices_0 = {};
   source.pointers = {0, 1, 3, 4, 5};
-  EXPECT_EQ(source.matrix(), expected);
+  EXPECT_EQ(source.matrix(), stored);
 
   source.descriptor["format"] = "DCSC";
   source.indices_0 = {0, 1, 2, 3};
-  EXPECT_EQ(source.matrix(), expected);
+  EXPECT_EQ(source.matrix(), stored);
 
   source = {};
   source.descriptor["number_of_stored_values"] = 12;
@@ -90,11 +90,11 @@ TEST(Binsparse, ReadsEveryMatrixFormat) {
   source.values = {0, 1, 0, 1, 0, 0, 0, 0, 1, 1, 1, 0};
   for (const char* name : {"DMAT", "DMATR"}) {
     source.descriptor["format"] = name;
-    EXPECT_EQ(source.matrix(), expected);
+    EXPECT_EQ(source.matrix(), stored);
   }
   source.descriptor["format"] = "DMATC";
   source.values = {0, 0, 1, 1, 0, 1, 0, 0, 1, 1, 0, 0};
-  EXPECT_EQ(source.matrix(), expected);
+  EXPECT_EQ(source.matrix(), stored);
 }
 
 TEST(Binsparse, DropsEntriesWhoseValueIsZero) {
@@ -136,7 +136,7 @@ TEST(Binsparse, TakesTheBareDescriptorToo) {
     file.write<std::uint32_t>("/indices_1", source.indices_1, {5});
     file.write<float>("/values", source.values, {1});
   }
-  EXPECT_EQ(read_binsparse(Hdf5File::open(folder / "a.h5")).matrix, expected);
+  EXPECT_EQ(read_binsparse(Hdf5File::open(folder / "a.h5")).matrix, stored);
 }
 
 // Each slip alone must be refused, in words that name the offender.

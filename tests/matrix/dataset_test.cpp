@@ -63,7 +63,7 @@ Dataset large_dataset() {
   return dataset;
 }
 
-std::string refusal(const std::filesystem::path& path) {
+std::string reading_refusal(const std::filesystem::path& path) {
   try {
     read_dataset(path);
   } catch (const std::runtime_error& error) {
@@ -185,8 +185,8 @@ TEST(Dataset, IsToldByItsFirstBytes) {
   EXPECT_EQ(read_dataset(folder / "c.h5").matrix, full_dataset().matrix);
   EXPECT_EQ(read_dataset(folder / "c.mtx"), full_dataset());
   std::ofstream(folder / "d.mtx") << "3 4 5\n";
-  EXPECT_NE(refusal(folder / "d.mtx").find("d.mtx: is neither"), std::string::npos);
-  EXPECT_NE(refusal(folder / "e").find("No such file"), std::string::npos);
+  EXPECT_NE(reading_refusal(folder / "d.mtx").find("d.mtx: is neither"), std::string::npos);
+  EXPECT_NE(reading_refusal(folder / "e").find("No such file"), std::string::npos);
   EXPECT_THROW(write_dataset(folder / "a.txt", Dataset{}), std::invalid_argument);
 }
 
@@ -216,7 +216,7 @@ TEST(Dataset, RefusesGeometryThatDoesNotFit) {
     Hdf5File file = Hdf5File::create(folder / "a.h5");  // unchecked
     write_binsparse(file, dataset);
     file.close();
-    const std::string text = refusal(folder / "a.h5");
+    const std::string text = reading_refusal(folder / "a.h5");
     EXPECT_NE(text.find(words), std::string::npos) << text;
     EXPECT_EQ(text.find('\n'), std::string::npos);
   };
@@ -272,11 +272,11 @@ TEST(Dataset, EveryTruncationIsRefused) {
   write_dataset(folder / "b.h5", large_dataset());
   for (const char* name : {"a.h5", "b.h5"}) {
     const auto bytes = read_file(folder / name);
-    ASSERT_EQ(refusal(folder / name), "");
+    ASSERT_EQ(reading_refusal(folder / name), "");
     const std::size_t step = bytes.size() / 150;
     for (std::size_t keep = 0; keep < bytes.size(); keep += step) {
       write_file(folder / "cut.h5", std::span(bytes).first(keep));
-      EXPECT_NE(refusal(folder / "cut.h5"), "") << keep << " of " << bytes.size();
+      EXPECT_NE(reading_refusal(folder / "cut.h5"), "") << keep << " of " << bytes.size();
     }
   }
 }

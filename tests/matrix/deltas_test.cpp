@@ -10,6 +10,7 @@
 
 #include "matrix/base/random.h"
 #include "tests/matrix/neighbouring_cells.h"
+#include "tests/refusal.h"
 
 namespace vismat {
 namespace {
@@ -34,12 +35,12 @@ TEST(Deltas, LeadBackToTheCells) {
 
 TEST(Deltas, RefuseNeighboursThatAreNone) {
   const VisibilityMatrix cells({3, 4});
-  EXPECT_EQ(refusal([&] { deltas_of(cells, symmetric(3, {{0, 1}})); }), "");
-  EXPECT_EQ(refusal([&] {
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { deltas_of(cells, symmetric(3, {{0, 1}})); }), "");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] {
               deltas_of(cells, VisibilityMatrix({3, 4}));
             }),
             "the neighbours are 3 x 4, but there are 3 cells");
-  EXPECT_EQ(refusal([&] {
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] {
               deltas_of(cells, VisibilityMatrix::from_rows({{}, {2}, {}}, 3));
             }),
             "cell 1 and its neighbours do not name one another");
@@ -54,13 +55,15 @@ TEST(Deltas, RefuseListsThatContradictOneAnother) {
     for (std::uint32_t r = 0; r < good.lists.shape().rows; ++r)
       rows.emplace_back(good.lists.row(r).begin(), good.lists.row(r).end());
     rows[list] = std::move(ids);
-    return refusal([&] { cells_of({good.boundaries, VisibilityMatrix::from_rows(rows, 6)}); });
+    return test::refusal<std::invalid_argument>([&] {
+      cells_of({good.boundaries, VisibilityMatrix::from_rows(rows, 6)});
+    });
   };
   EXPECT_EQ(changed(2, {1, 2}), "boundary 1, cell 0 to cell 1: column 1 appears, but was visible before");
   EXPECT_EQ(changed(3, {0, 5}), "boundary 1, cell 0 to cell 1: column 5 vanishes, but was not visible");
   EXPECT_EQ(changed(3, {0, 1, 3, 4, 5}), "boundary 1, cell 0 to cell 1: more vanishes than was visible");
   EXPECT_EQ(changed(2, {2, 3}), "boundary 3, cell 1 to cell 2: another way leads to other ids visible there");
-  EXPECT_EQ(refusal([&] {
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] {
               cells_of({good.boundaries, VisibilityMatrix({6, 6})});
             }),
             "4 boundaries, but 6 lists; each has two");
@@ -68,7 +71,7 @@ TEST(Deltas, RefuseListsThatContradictOneAnother) {
 
 TEST(BoundaryMap, RefusesWhatIsNotInOrderOrDoesNotReachEachCell) {
   const auto of = [](std::vector<Boundary> boundaries) {
-    return refusal([&] { BoundaryMap map(boundaries); });
+    return test::refusal<std::invalid_argument>([&] { BoundaryMap map(boundaries); });
   };
   EXPECT_EQ(of({}), "");
   EXPECT_EQ(of({{outside, 0}, {outside, 2}, {0, 1}, {2, 3}}), "");
@@ -127,7 +130,7 @@ TEST(Cross, MergesLikeSets) {
 TEST(Cross, NamesTheColumnThatDoesNotFit) {
   using Ids = std::vector<std::uint32_t>;
   const auto of = [](const Ids& visible, const Ids& appears, const Ids& vanishes) {
-    return refusal([&] {
+    return test::refusal<std::invalid_argument>([&] {
       Ids result(visible.size() + appears.size());
       cross(visible, appears, vanishes, result);
     });

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <functional>
 #include <numeric>
 
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
 #include "matrix/base/random.h"
 #include "tests/matrix/temporary_folder.h"
+#include "tests/refusal.h"
 
 namespace vismat {
 namespace {
@@ -17,15 +17,6 @@ namespace {
 template <typename Number>
 std::span<const Number> view(const std::vector<Number>& values) {
   return values;
-}
-
-std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(Hdf5File, GivesBackWhatWasWritten) {
@@ -68,14 +59,17 @@ TEST(Hdf5File, RefusalsNameThePlace) {
     file.write_attribute("/", "text", std::string("x"));
   }
   const Hdf5File file = Hdf5File::open(folder / "a.h5");
-  EXPECT_EQ(refusal([&] { file.read<std::uint32_t>("/large"); }),
+  EXPECT_EQ(test::refusal<FormatError>([&] { file.read<std::uint32_t>("/large"); }),
             "/large: entry 1 is 1099511627776; it must lie between 0 and 4294967295");
-  EXPECT_NE(refusal([&] { file.read<std::uint32_t>("/floats"); }).find("/floats: holds floating"),
+  EXPECT_NE(test::refusal<FormatError>([&] {
+              file.read<std::uint32_t>("/floats");
+            }).find("/floats: holds floating"),
             std::string::npos);
-  EXPECT_EQ(refusal([&] { file.read<float>("/nothing"); }), "/nothing: is missing");
-  EXPECT_EQ(refusal([&] { file.read<float>("/"); }), "/: is not an array");
-  EXPECT_NE(refusal([&] { file.number_attribute("/", "text"); }).find("attribute text"), std::string::npos);
-  EXPECT_NE(refusal([&] { file.string_attribute("/nothing", "text"); }), "");
+  EXPECT_EQ(test::refusal<FormatError>([&] { file.read<float>("/nothing"); }), "/nothing: is missing");
+  EXPECT_EQ(test::refusal<FormatError>([&] { file.read<float>("/"); }), "/: is not an array");
+  EXPECT_NE(test::refusal<FormatError>([&] { file.number_attribute("/", "text"); }).find("attribute text"),
+            std::string::npos);
+  EXPECT_NE(test::refusal<FormatError>([&] { file.string_attribute("/nothing", "text"); }), "");
   EXPECT_EQ(file.read<float>("/floats"), std::vector<float>{1});  // still answering
 }
 
@@ -106,11 +100,14 @@ TEST(Hdf5File, SeveralMayBeOpen) {
 
 TEST(Hdf5File, RefusesWhatIsNoFile) {
   const TemporaryFolder folder;
-  EXPECT_NE(refusal([&] { Hdf5File::open(folder / "missing"); }).find("No such file"), std::string::npos);
-  EXPECT_NE(refusal([&] { Hdf5File::open(folder / ""); }).find("regular"), std::string::npos);
+  EXPECT_NE(test::refusal<FormatError>([&] { Hdf5File::open(folder / "missing"); }).find("No such file"),
+            std::string::npos);
+  EXPECT_NE(test::refusal<FormatError>([&] { Hdf5File::open(folder / ""); }).find("regular"),
+            std::string::npos);
   std::ofstream(folder / "text") << "hello";
-  EXPECT_NE(refusal([&] { Hdf5File::open(folder / "text"); }).find("no HDF5 file"), std::string::npos);
-  EXPECT_NE(refusal([&] { Hdf5File::create(folder / "missing/x"); }), "");
+  EXPECT_NE(test::refusal<FormatError>([&] { Hdf5File::open(folder / "text"); }).find("no HDF5 file"),
+            std::string::npos);
+  EXPECT_NE(test::refusal<FormatError>([&] { Hdf5File::create(folder / "missing/x"); }), "");
   EXPECT_FALSE(is_hdf5(folder / "text"));
   EXPECT_FALSE(is_hdf5(folder / "missing"));
 }

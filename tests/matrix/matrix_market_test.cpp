@@ -22,17 +22,17 @@ std::string written(const Dataset& dataset) {
 }
 
 const std::string pattern = "%%MatrixMarket matrix coordinate pattern general\n";
-const auto expected = VisibilityMatrix::from_rows({{1, 3}, {}, {0, 1, 2}}, 4);
+const auto example = VisibilityMatrix::from_rows({{1, 3}, {}, {0, 1, 2}}, 4);
 
 TEST(MatrixMarket, TakesAnyOrderSpaceAndComment) {
-  EXPECT_EQ(read(pattern + "3 4 5\n1 2\n1 4\n3 1\n3 2\n3 3\n").matrix, expected);
+  EXPECT_EQ(read(pattern + "3 4 5\n1 2\n1 4\n3 1\n3 2\n3 3\n").matrix, example);
   EXPECT_EQ(read(pattern + "% a comment\n\n3\t4  5 \n3 3\n  1 4\n\n%more\n3 1\r\n1 2 \t\n3 2").matrix,
-            expected);
+            example);
   EXPECT_EQ(
       read(
           "%%matrixmarket MATRIX Coordinate  pattern GENERAL\r\n3 4 5\r\n1 2\r\n1 4\r\n3 1\r\n3 2\r\n3 3\r\n")
           .matrix,
-      expected);
+      example);
   EXPECT_EQ(read(pattern + "0 0 0").matrix, VisibilityMatrix({0, 0}));
   EXPECT_EQ(read(pattern + "2 3 0\n").matrix, VisibilityMatrix({2, 3}));
 }
@@ -58,7 +58,7 @@ TEST(MatrixMarket, ExpandsSymmetry) {
 
 TEST(MatrixMarket, KeepsTheFacts) {
   Dataset dataset;
-  dataset.matrix = expected;
+  dataset.matrix = example;
   dataset.provenance = "a: file\nof two lines";
   dataset.guarantee = Guarantee::conservative;
   dataset.seed = ~std::uint64_t{0};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
-#include <functional>
 #include <map>
 #include <numeric>
 #include <stdexcept>
@@ -17,6 +16,7 @@
 #include "matrix/object_tree.h"
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
+#include "tests/refusal.h"
 
 namespace vismat {
 namespace {
@@ -32,15 +32,6 @@ VisibilityMatrix random_matrix(Shape shape, float density, std::uint64_t seed) {
     }
   }
   return VisibilityMatrix::from_rows(rows, shape.columns);
-}
-
-std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "";
 }
 
 Permutation shuffled(std::uint32_t size, std::uint64_t seed) {
@@ -66,7 +57,7 @@ TEST(VisibilityMatrix, KnowsItsRowsAndCounts) {
 
 TEST(VisibilityMatrix, RefusesWhatIsNoMatrixAndNamesTheRow) {
   const auto from = [](std::vector<std::uint64_t> offsets, std::vector<std::uint32_t> ids) {
-    return refusal([&] { VisibilityMatrix::from_csr({2, 3}, offsets, ids); });
+    return test::refusal([&] { VisibilityMatrix::from_csr({2, 3}, offsets, ids); });
   };
   EXPECT_EQ(from({0, 1, 2}, {2, 0}), "");
   EXPECT_NE(from({0, 1, 2}, {2, 3}).find("row 1"), std::string::npos);
@@ -76,7 +67,7 @@ TEST(VisibilityMatrix, RefusesWhatIsNoMatrixAndNamesTheRow) {
   EXPECT_NE(from({1, 1, 2}, {0, 1}), "");
   EXPECT_NE(from({0, 1}, {0}), "");
   EXPECT_NE(from({0, 0, 1}, {0, 1}), "");
-  EXPECT_NE(refusal([] {
+  EXPECT_NE(test::refusal([] {
               VisibilityMatrix::from_csr({1, 0xffffffff}, {0, 2}, {0xfffffffe, 0xffffffff});
             }),
             "");
@@ -128,10 +119,10 @@ TEST(BitRows, HammingDistanceCountsCellsThatDiffer) {
 }
 
 TEST(Permutation, RefusesMapsThatAreNoBijection) {
-  EXPECT_EQ(refusal([] { Permutation::from_new_of_old({2, 0, 1}); }), "");
-  EXPECT_NE(refusal([] { Permutation::from_new_of_old({0, 0, 1}); }), "");
-  EXPECT_NE(refusal([] { Permutation::from_new_of_old({0, 3, 1}); }), "");
-  EXPECT_NE(refusal([] { Permutation::from_old_of_new({1, 1}); }), "");
+  EXPECT_EQ(test::refusal([] { Permutation::from_new_of_old({2, 0, 1}); }), "");
+  EXPECT_NE(test::refusal([] { Permutation::from_new_of_old({0, 0, 1}); }), "");
+  EXPECT_NE(test::refusal([] { Permutation::from_new_of_old({0, 3, 1}); }), "");
+  EXPECT_NE(test::refusal([] { Permutation::from_old_of_new({1, 1}); }), "");
 }
 
 TEST(Permutation, DirectionsAndInverse) {
@@ -172,7 +163,7 @@ TEST(ObjectTree, ListsChildrenAscending) {
 TEST(ObjectTree, RefusesCyclesForwardParentsAndForeignObjects) {
   constexpr auto none = ObjectTree::none;
   const auto from = [](std::vector<std::uint32_t> parents, std::vector<std::uint32_t> objects) {
-    return refusal([&] { ObjectTree::from_parents(parents, objects, 2); });
+    return test::refusal([&] { ObjectTree::from_parents(parents, objects, 2); });
   };
   EXPECT_EQ(from({none, 0}, {none, 1}), "");
   EXPECT_NE(from({0, 0}, {none, 1}).find("node 0"), std::string::npos);
@@ -200,7 +191,7 @@ TEST(ByteReader, ReadsForwardAndRefusesToLeaveTheBytes) {
   EXPECT_EQ(reader.varint(), 300u);
   EXPECT_EQ(reader.left(), 1u);
   EXPECT_THROW(reader.number<std::uint16_t>(), FormatError);
-  const std::string message = refusal([&] { ByteReader(bytes, "lump 3").skip(std::size_t{0} - 1); });
+  const std::string message = test::refusal([&] { ByteReader(bytes, "lump 3").skip(std::size_t{0} - 1); });
   EXPECT_NE(message.find("lump 3"), std::string::npos);
 }
 
@@ -230,8 +221,8 @@ TEST(Parallel, RethrowsAndStops) {
     if (i == 0) throw std::runtime_error("item 0");
     ++done;
   };
-  EXPECT_EQ(refusal([&] { parallel_for(1, 4, work); }), "item 0");
-  EXPECT_EQ(refusal([&] { parallel_for(100'000'000, 2, work); }), "item 0");
+  EXPECT_EQ(test::refusal([&] { parallel_for(1, 4, work); }), "item 0");
+  EXPECT_EQ(test::refusal([&] { parallel_for(100'000'000, 2, work); }), "item 0");
   EXPECT_LT(done, 100'000'000);
 }
 

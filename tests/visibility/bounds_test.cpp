@@ -14,7 +14,7 @@ namespace vismat {
 namespace {
 
 /// A small city: prisms over its ground as view cells, and a few boxes between its buildings.
-SceneFile small_city() {
+SceneFile small_city_file() {
   CityOptions options;
   options.size = 8;
   options.eye_low = 1, options.eye_high = 2;
@@ -33,7 +33,7 @@ bool within(const VisibilityMatrix& inner, const VisibilityMatrix& outer) {
 }
 
 TEST(Bounds, BoundsLieInOneAnotherAndRaysLieBetween) {
-  const SceneFile city = small_city();
+  const SceneFile city = small_city_file();
   ThreadJobRunner runner;
   const Sight quick = see_bounds(city.scene, city.cells, effort(0), runner),
               better = see_bounds(city.scene, city.cells, effort(1), runner);
@@ -46,7 +46,7 @@ TEST(Bounds, BoundsLieInOneAnotherAndRaysLieBetween) {
 }
 
 TEST(Bounds, EverySightLineIsASightLine) {
-  const SceneFile city = small_city();
+  const SceneFile city = small_city_file();
   ThreadJobRunner runner;
   const Sight sight = see_bounds(city.scene, city.cells, effort(1), runner);
   ASSERT_EQ(sight.lines.size(), sight.seen.ones());
@@ -67,7 +67,7 @@ TEST(Bounds, EverySightLineIsASightLine) {
 }
 
 TEST(Bounds, IsTheSameForAnyNumberOfThreads) {
-  const SceneFile city = small_city();
+  const SceneFile city = small_city_file();
   ThreadJobRunner one(1), three(3);
   const Sight a = see_bounds(city.scene, city.cells, effort(1), one),
               b = see_bounds(city.scene, city.cells, effort(1), three);
@@ -78,7 +78,7 @@ TEST(Bounds, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Bounds, ASmallerCellSeesLess) {
-  SceneFile city = small_city();
+  SceneFile city = small_city_file();
   city.cells.corners.clear();
   const float at = 4 * 20;
   city.cells.boxes = {{{at - 1.5f, at - 1.5f, 1}, {at + 1.5f, at + 1.5f, 2.5f}},
@@ -95,7 +95,7 @@ TEST(Bounds, EmptyScenesAndNoCellsAreFine) {
   ViewCells one;
   one.boxes = {{{0, 0, 0}, {1, 1, 1}}};
   EXPECT_EQ(see_bounds(Scene{}, one, effort(1), runner).not_hidden.shape(), (Shape{1, 0}));
-  EXPECT_EQ(see_bounds(small_city().scene, {}, effort(1), runner).not_hidden.shape(), (Shape{0, 64}));
+  EXPECT_EQ(see_bounds(small_city_file().scene, {}, effort(1), runner).not_hidden.shape(), (Shape{0, 64}));
   EXPECT_THROW(effort(3), std::invalid_argument);
 }
 

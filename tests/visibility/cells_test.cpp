@@ -19,7 +19,7 @@ namespace vismat {
 namespace {
 
 /// A closed box as an object of its own; `inward`: triangles face the wrong way.
-void add_box(Scene& scene, const Box& box, bool inward = false) {
+void put_box(Scene& scene, const Box& box, bool inward = false) {
   static constexpr std::uint32_t triangles[12][3] = {{0, 1, 5}, {0, 5, 4}, {1, 3, 7}, {1, 7, 5},
                                                      {3, 2, 6}, {3, 6, 7}, {2, 0, 4}, {2, 4, 6},
                                                      {4, 5, 7}, {4, 7, 6}, {0, 3, 1}, {0, 2, 3}};
@@ -79,7 +79,7 @@ TEST(GridCells, AreAllButThoseWithinABox) {
     for (std::uint64_t seed = 0; seed < 8; ++seed) {
       const std::vector<Box> boxes = random_boxes(seed, offset);
       Scene scene;
-      for (const Box& box : boxes) add_box(scene, box, seed % 2 == 1);
+      for (const Box& box : boxes) put_box(scene, box, seed % 2 == 1);
       GridCellsOptions options;
       options.size = {1, 1, 1};
       options.region = {{offset - 1, offset - 1, offset - 1}, {offset + 12, offset + 12, offset + 12}};
@@ -106,16 +106,16 @@ TEST(GridCells, AreAllButThoseWithinABox) {
 /// A hollow block: its walls reach from `outer` to `inner`, with a door of `door` metres or none.
 Scene hollow(float door) {
   Scene scene;
-  add_box(scene, {{0, 0, 0}, {8, 8, 0.5f}});
-  add_box(scene, {{0, 0, 3.5f}, {8, 8, 4}});
-  add_box(scene, {{0, 0, 0}, {0.5f, 8, 4}});
-  add_box(scene, {{7.5f, 0, 0}, {8, 8, 4}});
-  add_box(scene, {{0, 7.5f, 0}, {8, 8, 4}});
+  put_box(scene, {{0, 0, 0}, {8, 8, 0.5f}});
+  put_box(scene, {{0, 0, 3.5f}, {8, 8, 4}});
+  put_box(scene, {{0, 0, 0}, {0.5f, 8, 4}});
+  put_box(scene, {{7.5f, 0, 0}, {8, 8, 4}});
+  put_box(scene, {{0, 7.5f, 0}, {8, 8, 4}});
   if (door > 0) {
-    add_box(scene, {{0, 0, 0}, {4 - door / 2, 0.5f, 4}});
-    add_box(scene, {{4 + door / 2, 0, 0}, {8, 0.5f, 4}});
+    put_box(scene, {{0, 0, 0}, {4 - door / 2, 0.5f, 4}});
+    put_box(scene, {{4 + door / 2, 0, 0}, {8, 0.5f, 4}});
   } else {
-    add_box(scene, {{0, 0, 0}, {8, 0.5f, 4}});
+    put_box(scene, {{0, 0, 0}, {8, 0.5f, 4}});
   }
   return scene;
 }
@@ -215,7 +215,7 @@ VisibleTriangles nearer_is_more(const glm::vec3& point) {
 TEST(OctreeCells, LeavesCoverWhatViewersReachOnce) {
   const std::vector<Box> boxes = random_boxes(3, 0);
   Scene scene;
-  for (const Box& box : boxes) add_box(scene, box);
+  for (const Box& box : boxes) put_box(scene, box);
   OctreeCellsOptions options;
   options.region = {{0, 0, 0}, {12, 12, 10}};
   options.levels = 4;
@@ -262,7 +262,7 @@ TEST(OctreeCells, LeavesCoverWhatViewersReachOnce) {
 
 TEST(OctreeCells, ALowerThresholdRefines) {
   Scene scene;
-  add_box(scene, {{0, 0, 0}, {1, 1, 1}});
+  put_box(scene, {{0, 0, 0}, {1, 1, 1}});
   OctreeCellsOptions options;
   options.region = {{0, 0, 0}, {16, 16, 16}};
   options.levels = 4;
@@ -347,7 +347,7 @@ TEST(GroundCells, GoAroundTheBoxesOfACity) {
 TEST(GroundCells, LeadThroughDoorsAndUnderRoofs) {
   for (const float door : {0.0f, 1.0f, 0.15f}) {
     Scene scene = hollow(door);
-    add_box(scene, {{-4, -4, -1}, {12, 12, 0}});  // the ground, with an underside
+    put_box(scene, {{-4, -4, -1}, {12, 12, 0}});  // the ground, with an underside
     GroundCellsOptions options;
     const ViewCells cells = make_ground_cells(scene, options);
     EXPECT_EQ(cells_at(cells, -2.1f, -2.3f, 0), 1);
@@ -367,12 +367,12 @@ TEST(GroundCells, LeadThroughDoorsAndUnderRoofs) {
 
 TEST(GroundCells, ClimbStairsAndSlopes) {
   Scene scene;
-  add_box(scene, {{0, 0, -1}, {20, 10, 0}});
+  put_box(scene, {{0, 0, -1}, {20, 10, 0}});
   for (int i = 0; i < 8; ++i) {  // stairs up to a gallery, over a part of the ground
     const auto at = static_cast<float>(i);
-    add_box(scene, {{5 + at / 2, 2, 0.375f * at}, {5.5f + at / 2, 4, 0.375f * (at + 1)}});
+    put_box(scene, {{5 + at / 2, 2, 0.375f * at}, {5.5f + at / 2, 4, 0.375f * (at + 1)}});
   }
-  add_box(scene, {{9, 0, 2.75f}, {20, 10, 3}});
+  put_box(scene, {{9, 0, 2.75f}, {20, 10, 3}});
   const auto first = static_cast<std::uint32_t>(scene.vertices.size());  // a slope down to another field
   for (const glm::vec3& corner : {glm::vec3(0, 0, 0), glm::vec3(0, 10, 0), glm::vec3(-10, 10, -5),
                                   glm::vec3(-10, 0, -5), glm::vec3(-20, 10, -5), glm::vec3(-20, 0, -5)}) {

@@ -7,9 +7,8 @@
 namespace vismat {
 namespace {
 
+using test::refusal;
 using tiny::Doom;
-using tiny::refusal;
-constexpr std::uint32_t none = ObjectTree::none;
 
 std::string refused(const Doom& doom, std::string_view map = "MAP07") {
   return refusal([&] { parse_doom_map(doom.bytes(), map); });
@@ -48,7 +47,8 @@ TEST(DoomWad, BoxesSpanASectorsLines) {
 TEST(DoomWad, TreeComesFromTheNodes) {
   Doom doom;
   EXPECT_EQ(parse_doom_map(doom.bytes(), "MAP07").cell_tree,
-            ObjectTree::from_parents({none, 0, 1, 1, 0}, {none, none, 0, 1, 2}, 3));
+            ObjectTree::from_parents({ObjectTree::none, 0, 1, 1, 0},
+                                     {ObjectTree::none, ObjectTree::none, 0, 1, 2}, 3));
   doom.nodes.clear();
   EXPECT_EQ(parse_doom_map(doom.bytes(), "MAP07").cell_tree.size(), 0u);
 }

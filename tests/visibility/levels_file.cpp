@@ -21,7 +21,7 @@
 namespace vismat {
 namespace {
 
-using tiny::refusal;
+using test::refusal;
 
 class LevelFile : public testing::Test {
  protected:

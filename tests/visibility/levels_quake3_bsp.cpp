@@ -10,8 +10,8 @@
 namespace vismat {
 namespace {
 
+using test::refusal;
 using tiny::Quake;
-using tiny::refusal;
 using Ids = std::vector<std::uint32_t>;
 constexpr std::uint32_t none = ObjectTree::none;
 

@@ -18,7 +18,7 @@ class RealLevels : public testing::Test {
     const char* cache = std::getenv("VISMAT_CACHE");
     folder_ = cache != nullptr ? cache : VISMAT_TEST_DATA "/../../cache/levels";
     if (!std::filesystem::is_directory(folder_))
-      GTEST_SKIP() << "no levels in " << folder_ << "; run fetch-levels";
+      GTEST_SKIP() << "no levels in " << folder_ << "; ./fetch-levels fetches them";
   }
   std::string file(const char* inside) const {
     const auto path = folder_ / inside;
@@ -70,7 +70,7 @@ std::size_t gzip_size(const std::vector<std::uint8_t>& bytes) {
 
 TEST_F(RealLevels, Koth1HasItsKnownSizes) {
   const std::string pk3 = file(openarena);
-  if (pk3.empty()) GTEST_SKIP() << "openarena-081-maps was not fetched";
+  if (pk3.empty()) GTEST_SKIP() << "openarena-081-maps is not there; ./fetch-levels fetches it";
   const Level level = read_level(pk3 + ":maps/oa_koth1.bsp");
   EXPECT_EQ(level.cells.shape(), (Shape{2415, 2415}));
   EXPECT_NEAR(level.cells.density(), 0.169, 0.0005);
@@ -84,7 +84,7 @@ TEST_F(RealLevels, Koth1HasItsKnownSizes) {
 
 TEST_F(RealLevels, OpenArenaIsReadWhole) {
   const std::string pk3 = file(openarena);
-  if (pk3.empty()) GTEST_SKIP() << "openarena-081-maps was not fetched";
+  if (pk3.empty()) GTEST_SKIP() << "openarena-081-maps is not there; ./fetch-levels fetches it";
   const auto listing = list_levels(pk3);
   EXPECT_EQ(listing.size(), 50u);
   for (const LevelListing& map : listing) {
@@ -110,7 +110,7 @@ TEST_F(RealLevels, OpenArenaIsReadWhole) {
 
 TEST_F(RealLevels, FreedoomsRejectTablesAreBuilt) {
   const std::string wad = file(freedoom);
-  if (wad.empty()) GTEST_SKIP() << "freedoom was not fetched";
+  if (wad.empty()) GTEST_SKIP() << "freedoom is not there; ./fetch-levels fetches it";
   const auto listing = list_levels(wad);
   EXPECT_EQ(listing.size(), 32u);
   for (const LevelListing& map : listing) {

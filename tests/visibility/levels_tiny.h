@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/refusal.h"
+
 namespace vismat::tiny {
 
 using Bytes = std::vector<std::byte>;
@@ -305,14 +307,4 @@ inline Bytes zip(const std::vector<ZipMember>& members) {
 }
 
 /// The message of what `work` throws; empty if it throws nothing.
-template <typename Work>
-std::string refusal(Work&& work) {
-  try {
-    work();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "";
-}
-
 }  // namespace vismat::tiny

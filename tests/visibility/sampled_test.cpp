@@ -62,7 +62,7 @@ struct SmallCity {
   SceneFile file;
   ViewCells cells;  // some of its triangles, and boxes in a row between the first houses and over them
 };
-SmallCity small_city() {
+SmallCity sampled_city() {
   CityOptions options;
   options.size = 8;
   options.eye_high = 2;
@@ -81,7 +81,7 @@ SmallCity small_city() {
 }
 
 TEST(Sampled, SameForAnyNumberOfThreadsAndProvenInEachCell) {
-  const SmallCity city = small_city();
+  const SmallCity city = sampled_city();
   SampledOptions options;
   options.rays = 3000, options.rounds = 3;
   options.enough_yield = 0;
@@ -101,7 +101,7 @@ TEST(Sampled, SameForAnyNumberOfThreadsAndProvenInEachCell) {
 }
 
 TEST(Sampled, FindsWhatADenseReferenceFinds) {
-  const SmallCity city = small_city();
+  const SmallCity city = sampled_city();
   const RayCaster caster(city.file.scene);
   const AimedRays rays(city.file.scene, caster);
   ThreadJobRunner runner;
@@ -119,7 +119,7 @@ TEST(Sampled, FindsWhatADenseReferenceFinds) {
 }
 
 TEST(Sampled, HeldBackRaysTellAStarvedRunFromAFullOne) {
-  const SmallCity city = small_city();
+  const SmallCity city = sampled_city();
   const RayCaster caster(city.file.scene);
   const AimedRays rays(city.file.scene, caster);
   ThreadJobRunner one(1), three(3);

@@ -1,0 +1,533 @@
+"""A reader of .vmat files after docs/vmat.md alone, as someone would write it in another language: it knows nothing of our code."""
+import struct
+import zlib
+
+
+def bits_of(data):
+    """The bits of bytes, the lowest of each first."""
+    return [byte >> i & 1 for byte in data for i in range(8)]
+
+
+SECTIONS = {1: "facts", 2: "tree", 3: "row tree", 4: "row order", 5: "column order", 6: "order of both", 7: "row groups",
+            8: "column groups", 9: "boundaries", 10: "row names", 11: "column names", 12: "column levels", 13: "boxes", 14: "bands",
+            15: "index", 16: "payload"}
+
+
+class File:
+    def __init__(self, data):
+        magic, version, self.rows, self.columns, self.ones = struct.unpack_from("<8sIIIQ", data)
+        assert magic == bytes.fromhex("89564d41540d0a1a") and version == 4
+        self.codec = data[28:60].rstrip(b"\0").decode()
+        count, = struct.unpack_from("<I", data, 60)
+        table = [struct.unpack_from("<IQ", data, 64 + 12 * i) for i in range(count)]
+        numbers, sizes = [number for number, _ in table], [size for _, size in table]
+        assert numbers == sorted(set(numbers)) and all(sizes)
+        head = 64 + 12 * count
+        of_sums, of_head = struct.unpack_from("<2I", data, head)
+        assert zlib.crc32(data[:head + 4]) == of_head
+        blocks = -(-sum(sizes) // 4096)
+        sums, body = data[head + 8:head + 8 + 4 * blocks], data[head + 8 + 4 * blocks:]
+        assert len(body) == sum(sizes) and zlib.crc32(sums) == of_sums
+        for block in range(blocks):
+            assert zlib.crc32(body[4096 * block:4096 * (block + 1)]) == struct.unpack_from("<I", sums, 4 * block)[0]
+        self.sections = {name: b"" for name in SECTIONS.values()}
+        for number, size in table:
+            self.sections[SECTIONS.get(number, f"shared {number - 32}")], body = body[:size], body[size:]
+
+    def places(self):
+        """Where each part's bytes begin, and the payload's end."""
+        return part_places(self.sections["index"], len(self.sections["payload"]))
+
+    def row(self, row):
+        places = self.places()
+        data = self.sections["payload"][places[row]:places[row + 1]]
+        if self.codec == "bitmap" or len(data) == -(-self.columns // 8):  # the escape
+            return [column for column, bit in enumerate(bits_of(data)) if bit]
+        if self.codec == "panne":
+            model = Clusters(self.sections["payload"][:places[0]], self.columns)
+            return model.row(data)
+        assert self.codec == "delimiter"
+        numbers, ids, column = delimiter_numbers(data), [], 0
+        for i, (gap, count) in enumerate(zip(numbers[::2], numbers[1::2])):
+            column += gap - (i == 0)
+            ids += range(column, column + count)
+            column += count
+        return ids
+
+
+def part_places(index, u):
+    """Where the parts begin in a payload of u bytes, and where it ends."""
+    index = Bytes(index)
+    n = index.varint()
+    if index.at == len(index.data):
+        return [part * u // n for part in range(n + 1)] if n else [u]
+    b = 0 if u < 2 * (n + 1) else (u // (n + 1)).bit_length() - 1
+    m = n + 1 + (u >> b)
+    width = 8 if m >= 2**32 else 4
+    samples = index.take(width * (n // 256))
+    high, low = bits_of(index.take(-(-m // 8))), bits_of(index.take(-(-(n + 1) * b // 8)))
+    assert index.at == len(index.data)
+    set_bits = [place for place, bit in enumerate(high) if bit]
+    assert [int.from_bytes(samples[i:i + width], "little") for i in range(0, len(samples), width)] == set_bits[256::256]
+    places = [((place - i) << b) + sum(low[i * b + j] << j for j in range(b)) for i, place in enumerate(set_bits)]
+    assert len(places) == n + 1 and places[-1] == u and places == sorted(places)
+    return places
+
+
+class Bits:
+    """Bits from the lowest of each byte on, codes and lengths among them."""
+
+    def __init__(self, data):
+        self.bits, self.at = bits_of(data), 0
+
+    def take(self, count):
+        self.at += count
+        assert self.at <= len(self.bits)
+        return self.bits[self.at - count:self.at]
+
+    def symbol(self, code):
+        text = ""
+        while text not in code:
+            assert len(text) < 15
+            text += str(self.take(1)[0])
+        return code[text]
+
+    def length(self, code):
+        """A length, and which hundred and sixty-eight its symbol is of."""
+        kind, symbol = divmod(self.symbol(code), 168)
+        if symbol < 64:
+            return symbol + 1, kind
+        e, mm = 6 + (symbol - 64) // 4, (symbol - 64) % 4
+        raw = sum(bit << i for i, bit in enumerate(self.take(e - 2)))
+        return (1 << e) + (mm << (e - 2)) + raw, kind
+
+    def finish(self):
+        assert len(self.bits) - self.at < 8 and not any(self.bits[self.at:])
+
+
+def huffman_code(data, at, symbols):
+    """Symbols by their codes as text, and where the code's bytes end."""
+    lengths = []
+    while len(lengths) < symbols:
+        lengths += [data[at] & 15] * ((data[at] >> 4) + 1)
+        at += 1
+    assert len(lengths) == symbols
+    codes, code, last = {}, 0, 0
+    for length, symbol in sorted((length, symbol) for symbol, length in enumerate(lengths) if length):
+        code <<= length - last
+        codes[format(code, f"0{length}b")], last = symbol, length
+        code += 1
+    return codes, at
+
+
+class Clusters:
+    """The model of codec panne."""
+
+    def __init__(self, model, columns):
+        clusters, at, shift = 0, 0, 0
+        while True:
+            byte, at = model[at], at + 1
+            clusters |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                break
+        self.steps, at = huffman_code(model, at, 3 * 168 + 1)
+        self.runs, at = huffman_code(model, at, 168)
+        self.at_column = [[] for _ in range(columns)]  # a cluster: its lead, its steps
+        if clusters:
+            self.ranks, at = huffman_code(model, at, 168)
+            leads, at = huffman_code(model, at, 168)
+            heads, at = huffman_code(model, at, 168)
+            bits = Bits(model[at:])
+            counts = [bits.length(heads)[0] - 1 for _ in range(columns)]
+            assert sum(counts) == clusters
+            for column, count in enumerate(counts):
+                for _ in range(count):
+                    self.at_column[column].append((bits.length(leads)[0] - 1, self.read_steps(bits)))
+            bits.finish()
+        else:
+            assert at == len(model)
+
+    def read_steps(self, bits):
+        steps = []
+        while True:
+            number, kind = bits.length(self.steps)
+            if kind == 3:
+                return steps
+            code = (None, self.runs, self.ranks)[kind] if kind else None
+            steps.append((number - 1, kind, bits.length(code)[0] if code else 1))
+
+    def follow(self, steps, reach):
+        """Ids of steps in turn, and where each begins and reaches to."""
+        ids, places = [], []
+        for zeros, kind, count in steps:
+            begin = reach + zeros
+            if kind == 2:
+                inner, reach = self.cluster(begin, count)
+                ids += inner
+            else:
+                reach = begin + (count + 1 if kind else 1)
+                ids += range(begin, reach)
+            places.append((begin, reach))
+        return ids, places
+
+    def cluster(self, column, rank):
+        lead, steps = self.at_column[column][rank - 1]
+        ids, reach = self.cluster(column, lead) if lead else ([column], column + 1)
+        more, places = self.follow(steps, reach)
+        for begin, end in places:
+            if begin == reach:
+                reach = end
+        return ids + more, reach
+
+    def row(self, data):
+        if not data:
+            return []
+        bits = Bits(data)
+        steps = self.read_steps(bits)
+        bits.finish()
+        ids = sorted(self.follow(steps, 0)[0])
+        assert steps and len(set(ids)) == len(ids)
+        return ids
+
+
+def delimiter_code(number):
+    text = bin(number)[2:].replace("11", "110")
+    return text + "1" if text.endswith("01") or text == "1" else text
+
+
+def delimiter_bytes(numbers):
+    text = "11".join(map(delimiter_code, numbers)) + "1" if numbers else ""
+    text += "0" * (-len(text) % 8)
+    return bytes(int(text[i:i + 8][::-1], 2) for i in range(0, len(text), 8))
+
+
+def delimiter_numbers(data):
+    """By trying: the codes of numbers in turn that the bits can begin with, until one way leads to the end."""
+    text = "".join(map(str, bits_of(data))).rstrip("0")[:-1]
+    ways = [(0, [])]
+    while ways:
+        at, numbers = ways.pop()
+        for length in range(1, min(50, len(text) - at) + 1):
+            code, end = text[at:at + length], at + length
+            plain = code[:-1] if code.endswith("11") else code
+            number = int(plain.replace("110", "11"), 2) if plain[0] == "1" else 0
+            if number and delimiter_code(number) == code:
+                if end == len(text):
+                    return numbers + [number]
+                if text.startswith("111", end):
+                    ways.append((end + 2, numbers + [number]))
+    assert not data
+    return []
+
+
+class Bytes:
+    def __init__(self, data):
+        self.data, self.at = data, 0
+
+    def byte(self):
+        self.at += 1
+        return self.data[self.at - 1]
+
+    def varint(self):
+        value = shift = 0
+        while True:
+            byte = self.byte()
+            value |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                return value
+
+    def take(self, count):
+        self.at += count
+        assert self.at <= len(self.data)
+        return self.data[self.at - count:self.at]
+
+    def question_tree(self):
+        """A question and two trees, or a probability out of 2^14. Takes whole bytes."""
+        pool = []  # bits of the last byte that are left
+
+        def number(count):
+            while len(pool) < count:
+                pool.extend(bits_of([self.byte()]))
+            value = sum(bit << i for i, bit in enumerate(pool[:count]))
+            del pool[:count]
+            return value
+
+        def node():
+            if number(1):
+                question = number(6)
+                return question, node(), node()
+            code = number(8)
+            h, z = code & 127, code >> 7
+            s = h if h < 8 else (8 + h % 8) << (h // 8 - 1)
+            return 2**14 - s if z else s
+
+        tree = node()
+        assert not any(pool)
+        return tree
+
+
+class RangeDecoder:
+    def __init__(self, data):
+        self.data, self.at, self.range, self.code = data, 4, 2**32 - 1, int.from_bytes((data + bytes(4))[:4], "big")
+
+    def bit(self, ones):
+        unit = self.range >> 14
+        bit = self.code < unit * ones
+        start, size = (0, ones) if bit else (ones, 2**14 - ones)
+        self.code -= unit * start
+        self.range = unit * size
+        while self.range < 2**24:
+            self.range <<= 8
+            self.code = self.code << 8 | (self.data[self.at] if self.at < len(self.data) else 0)
+            self.at += 1
+        return int(bit)
+
+
+class Chance:
+    def __init__(self):
+        self.quick = self.slow = 1 << 15
+
+    def p(self):
+        return min(max((self.quick + self.slow) // 8, 64), 2**14 - 64)
+
+    def see(self, bit):
+        if bit:
+            self.quick += (65535 - self.quick) // 16
+            self.slow += (65535 - self.slow) // 128
+        else:
+            self.quick -= self.quick // 16
+            self.slow -= self.slow // 128
+
+
+class Adaptive:
+    """Chances by name, each made when it is first used."""
+
+    def __init__(self, data):
+        self.decoder, self.chances = RangeDecoder(data), {}
+
+    def bit(self, *name):
+        chance = self.chances.setdefault(name, Chance())
+        bit = self.decoder.bit(chance.p())
+        chance.see(bit)
+        return bit
+
+    def number(self, *name):
+        n = 0
+        while self.bit(*name, "w", n):
+            n += 1
+        value = 1
+        for i in range(n):
+            value = 2 * value + (self.bit(*name, "h", n, value & 7) if i < 3 else self.decoder.bit(2**13))
+        return value - 1
+
+
+class Steps:
+    def __init__(self, coder, n):
+        self.coder, self.left, self.below = coder, list(range(n)), 0
+        self.last, self.before, self.far = True, True, 0
+
+    def step(self):
+        above = len(self.left) - self.below
+        told = self.below > 0 and above > 0
+        up = bool(self.coder.bit("up", self.last, self.before, self.far > 0)) if told else self.below == 0
+        number = self.coder.number("between", told and 1 + (up == self.last), min(5, self.far.bit_length()))
+        assert number < (above if up else self.below)
+        self.below = self.below + number if up else self.below - 1 - number
+        self.last, self.before, self.far = up, self.last, number
+        return self.left.pop(self.below)
+
+
+def read_order(data, n):
+    """Where each of the source's stands."""
+    steps = Steps(Adaptive(data[1:]), n)
+    way = [steps.step() for _ in range(n)]
+    if data[0] == 1:
+        return way
+    assert data[0] == 0
+    places = [0] * n
+    for place, number in enumerate(way):
+        places[number] = place
+    return places
+
+
+def read_tree(data):
+    """Parents and objects of the nodes, how many objects there are, whether the columns are the nodes."""
+    data = Bytes(data)
+    flags, objects, n = data.byte(), data.varint(), data.varint()
+    coder = Adaptive(data.data[data.at:])
+    parents, counts = [], []
+    if flags & 3 == 2:
+        last = 0
+        for node in range(n):
+            if node:
+                last = coder.number("back", min(3, last.bit_length()))
+            parents.append(node - 1 - last if node else None)
+    else:
+        waiting = []  # nodes that lack children: a queue by levels, a stack by branches
+        for node in range(n):
+            parent = waiting.pop(0 if flags & 3 == 0 else -1) if node else None
+            above = min(3, counts[parent]) if node else 0
+            count = coder.number("children", above, min(3, counts[-1]) if node else 0)
+            parents.append(parent)
+            counts.append(count)
+            waiting += [node] * count
+        assert not waiting
+    held, steps, result, new = [], Steps(coder, objects), [], True
+    inner = set(parents)
+    for node in range(n):
+        if not coder.bit("holds", node in inner):
+            result.append(None)
+            continue
+        new = not held or bool(steps.left) and bool(coder.bit("new", new))
+        held.append(steps.step() if new else held[-1 - coder.number("again")])
+        result.append(held[-1])
+    return parents, result, objects, bool(flags & 4)
+
+
+def read_groups(data):
+    data = Bytes(data)
+    n, order = data.varint(), data.varint()
+    order = data.take(order)
+    code, at = huffman_code(data.data, data.at, 168)
+    bits, members, met = Bits(data.data[at:]), [], 0
+    for member in range(n):
+        back = bits.length(code)[0] - 1
+        members.append(members[member - back] if back else met)
+        met += back == 0
+    bits.finish()
+    if order:  # visits the groups' numbers in the order of their first members
+        place = read_order(order, met)
+        number = sorted(range(met), key=lambda group: place[group])
+        members = [number[member] for member in members]
+    return members
+
+
+def read_names(data):
+    data, names = Bytes(data), []
+    while data.at < len(data.data):
+        shared = data.varint()
+        names.append((names[-1][:shared] if names else b"") + data.take(data.varint()))
+    return [name.decode() for name in names]
+
+
+def read_levels(data):
+    data, levels, last = Bytes(data), [], 0
+    while data.at < len(data.data):
+        step = data.varint()
+        last += step // 2 if step % 2 == 0 else -(step + 1) // 2
+        levels.append((last, data.varint()))
+    return levels
+
+
+def read_bands(data):
+    data = Bytes(data)
+    bands = [0]
+    for _ in range(data.varint() - 1):
+        bands.append(bands[-1] + data.varint())
+    return bands
+
+
+def gamma_numbers(data):
+    bits, numbers = bits_of(data), []
+    end = max(i for i, bit in enumerate(bits) if bit) if any(bits) else 0
+    at = 0
+    while at < end:
+        zeros = bits[at:].index(1)
+        at += zeros + 1
+        numbers.append(1 << zeros | sum(bit << i for i, bit in enumerate(bits[at:at + zeros])))
+        at += zeros
+    return numbers
+
+
+class Gotsman:
+    """All rows out of a payload over a tree of rows, given as the children and the row of each node."""
+
+    def __init__(self, codec, columns, children, row_of_node, index, payload):
+        self.codec, self.columns, self.children = codec, columns, children
+        places = part_places(index, len(payload))
+        parts = [payload[begin:end] for begin, end in zip(places, places[1:])]
+        payload = Bytes(payload[:places[0]])
+        everything = payload.byte()
+        if codec == "gotsman3-context":
+            self.trees = payload.question_tree(), payload.question_tree()
+        assert payload.at == len(payload.data)
+        seen = range(columns) if everything else self.root(parts.pop(0))
+        inner = [node for node in range(len(children)) if children[node]]
+        assert len(parts) == len(inner)
+        self.parts = dict(zip(inner, parts))
+        self.rows = {}
+        waiting = [(0, list(seen), [], False)]
+        while waiting:
+            node, seen, siblings, first = waiting.pop()
+            if not children[node]:
+                self.rows[row_of_node[node]] = seen
+                continue
+            b, c = self.split(node, seen, siblings, first)
+            waiting.append((children[node][0], b, [set(c)] + siblings, True))
+            waiting.append((children[node][1], c, [set(b)] + siblings, False))
+
+    def root(self, data):
+        if self.codec != "gotsman3-context":
+            return [column for column, bit in enumerate(bits_of(data)) if bit]
+        ids, column, numbers = [], -1, gamma_numbers(data)
+        for gap, count in zip(numbers[::2], numbers[1::2]):
+            column += gap
+            ids += range(column, column + count)
+            column += count
+        return ids
+
+    def leafs(self, node):
+        return sum(map(self.leafs, self.children[node])) if self.children[node] else 1
+
+    def split(self, node, a, siblings, first):
+        bits = iter(bits_of(self.parts[node]))
+        if self.codec == "gotsman1":
+            sets = [[column for column in range(self.columns) if next(bits)] for _ in range(2)]
+            assert sorted({*sets[0], *sets[1]}) == a
+            return sets
+        if self.codec == "gotsman2":
+            return [[column for column in a if next(bits)] for _ in range(2)]
+        if self.codec == "gotsman3":
+            b = [column for column in a if next(bits)]
+            return b, [column for column in a if column not in b or next(bits)]
+        trits, of_column, decoder, seen = [], {}, RangeDecoder(self.parts[node]), set(a)
+        history = {column: tuple(column in s for s in siblings) + (False,) * 8 for column in a}
+        leafs = self.leafs(node)
+        for i, p in enumerate(a):
+            answers = [0] * 44
+
+            def trit(at, value):
+                answers[at], answers[at + 1] = value & 1, value >> 1
+
+            def last_like(length):
+                return next((of_column[q] for q in reversed(a[:i]) if history[q][:length] == history[p][:length]), 0)
+
+            trit(0, of_column.get(p - 1, 0))
+            trit(2, of_column.get(p - 2, 0))
+            answers[4], answers[5] = p + 1 in seen, p + 2 in seen
+            trit(6, trits[-1] if i > 0 else 0)
+            trit(8, trits[-2] if i > 1 else 0)
+            answers[10:14] = history[p][:4]
+            for at, length in zip(range(14, 26, 2), (1, 2, 4, 6, 8, None)):
+                trit(at, last_like(length))
+            if i > 0:
+                answers[26] = history[a[i - 1]][:4] == history[p][:4]
+                answers[27] = history[a[i - 1]] == history[p]
+            answers[28] = i >= 5 and len(set(trits[-5:])) == 1
+            answers[29] = i >= 17 and len(set(trits[-17:])) == 1
+            ones, twos, n = (trits.count(value) for value in (1, 2, 3))
+            answers[30:38] = (2 * n > i, 4 * n > 3 * i, 8 * n > 7 * i, 32 * n > 31 * i, 4 * n < i, ones > twos,
+                              ones > 3 * twos, twos > 3 * ones)
+            answers[38:43] = (leafs <= most for most in (2, 4, 8, 32, 128))
+            answers[43] = first
+
+            def bit(tree):
+                while isinstance(tree, tuple):
+                    tree = tree[2 if answers[tree[0]] else 1]
+                return decoder.bit(tree)
+
+            trits.append(3 if bit(self.trees[0]) else 2 if bit(self.trees[1]) else 1)
+            of_column[p] = trits[-1]
+        return [p for p in a if of_column[p] & 1], [p for p in a if of_column[p] & 2]
