@@ -49,7 +49,7 @@ def draw_runs_against_seconds(results, side="columns"):
     figure.supxlabel("seconds to make the order (logarithmic; shorter times are drawn at 0.0001 s)", fontsize=10)
     figure.supylabel("runs, % of those in a random order (logarithmic)", fontsize=10)
     _legend_of_methods(figure, set(results.orders[results.orders.side == side].method),
-                       others=[plt.Line2D([], [], color=RED, label="lower bound of every order")])
+                       others=[plt.Line2D([], [], color=RED, label="lower bound for every order")])
     return figure
 
 

@@ -136,7 +136,7 @@ def draw_broken(results):
                 trees.text(100 * row.added_share + .3, place, f"{row.violations:,.0f} nodes without their parent", va="center", fontsize=7)
     trees.set(yticks=numpy.arange(len(ways))[::-1], xlabel="extra visible entries over the nodes, % of the visible ones")
     trees.set_yticklabels([way.replace("; ", ";\n") for way in ways], fontsize=8)
-    trees.set_xlim(0, 135 * of.added_share.max())
+    trees.set_xlim(0, 145 * of.added_share.max())
     trees.set_ylim(-1.1, len(ways) - .4)
     trees.set_title(f"a tree over the columns, {of.lost.max():.0%} lost occlusions", fontsize=9, loc="left")
     trees.legend(fontsize=8, frameon=False, loc="lower right", ncols=2)
