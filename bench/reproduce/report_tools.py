@@ -132,10 +132,10 @@ def provenance(folder):
 
 
 STYLE = """body{max-width:74rem;margin:2rem auto;padding:0 1.5rem;background:#fff;color:#1a1a1a;font:16px/1.55 Georgia,serif}
-h1,h2,table,figcaption,footer{font-family:system-ui,"DejaVu Sans",sans-serif}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2.2rem}
+h1,h2,h3,table,figcaption,footer{font-family:system-ui,"DejaVu Sans",sans-serif}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2.2rem}h3{font-size:.95rem}
 p{max-width:46rem}.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.8rem;font-variant-numeric:tabular-nums}
 th{border-bottom:2px solid #444;text-align:right;vertical-align:bottom}td{border-bottom:1px solid #ddd;text-align:right;white-space:nowrap}
-th,td{padding:.28rem .55rem}th:first-child,td:first-child{text-align:left}.words td{text-align:left}td.published,th.published{background:#f2f2f2;font-style:italic}
+th,td{padding:.28rem .55rem}th:first-child,td:first-child{text-align:left}.words td,.words th{text-align:left}td.published,th.published{background:#f2f2f2;font-style:italic}
 tr.published td{background:#f2f2f2;font-style:italic}figure{margin:1rem 0}img{max-width:100%}footer{margin-top:2.5rem;font-size:.8rem;color:#444}"""
 
 

@@ -322,7 +322,7 @@ over its clusters, sectors or faces."""
 
 def sections(results):
     """As report_tools.as_text wants them."""
-    holds = pd.DataFrame(contents(results), columns=["line", "bytes"])
+    holds = pd.DataFrame(contents(results), columns=["line", "what the bytes hold"])
     holds.attrs["words"] = True
     yield "Table 1: scenes", "", [("", table1(results))]
     yield "Table 2: lossless compression, bytes (ratio)", "", [("", table2(results)), ("What each size contains", holds), "ratios"]
