@@ -124,7 +124,7 @@ def provenance(folder):
              f"compiler: {first_line(compiler, '--version')}, CMake preset release",
              f"commit: {first_line('git', 'describe', '--always', '--dirty')} of {first_line('git', 'log', '-1', '--format=%cs')}"]
     steps = tables_of(folder)("steps")
-    if steps is not None and len(steps):
+    if steps is not None and "date" in steps and len(steps):
         other = (steps.other_work_percent * steps.minutes).sum() / max(steps.minutes.sum(), 1e-9)
         days = " to ".join(dict.fromkeys((steps.date.min(), steps.date.max())))
         lines.append(f"measured: {days}, {steps.minutes.sum():.0f} minutes; other work took {other:.0f} % of the processors meanwhile")
