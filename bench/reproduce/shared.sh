@@ -113,7 +113,7 @@ matrix() {
 
 # ---- steps ---------------------------------------------------------------------------------------------------------------
 
-titles=() slugs=() seconds=() gigabytes=() finished=() # of all steps, in their order
+titles=() slugs=() expected=() gigabytes=() finished=() # of all steps, in their order; expected are seconds
 planning=yes number=0 left=0 beside=()
 
 # step [--memory GB] [--beside] TITLE COMMAND...: a part of the result. COMMAND writes its files to the folder $part, which
@@ -136,7 +136,7 @@ plan_step() {
   local slug
   slug=$(tr -cs 'A-Za-z0-9._\n' - <<<"$1")
   titles+=("$1") slugs+=("$slug") gigabytes+=("$2")
-  seconds+=("$(awk -F, -v step="$1" '$1 == step { print int(60 * $2 + .5) }' "results/$result/steps.csv" 2>/dev/null || true)")
+  expected+=("$(awk -F, -v step="$1" '$1 == step { print int(60 * $2 + .5) }' "results/$result/steps.csv" 2>/dev/null || true)")
   if [ "$(cat "$work/$slug/.made-by" 2>/dev/null || true)" = "$(made_by "${@:3}")" ]; then finished+=(yes); else finished+=(''); fi
 }
 
@@ -152,9 +152,9 @@ run_step() {
   local i=$number background=$1 about='' free
   number=$((number + 1))
   if [ -n "${finished[i]}" ]; then return; fi
-  if [ -n "$full" ] && [ -n "${seconds[i]}" ]; then about=" (about $(clock "${seconds[i]}"); $(clock $left) to go)"; fi
+  if [ -n "$full" ] && [ -n "${expected[i]}" ]; then about=" (about $(clock "${expected[i]}"); $(clock $left) to go)"; fi
   printf '\n== %d of %d: %s%s\n' $number ${#titles[@]} "${titles[i]}" "$about"
-  left=$((left - ${seconds[i]:-0}))
+  left=$((left - ${expected[i]:-0}))
   free=$(awk '/^MemAvailable/ { print int($2 / 1e6) }' /proc/meminfo)
   if [ "${gigabytes[i]}" -gt "$free" ]; then
     not_measured "${titles[i]}: it takes ${gigabytes[i]} GB of memory, and $free GB are free"
@@ -199,16 +199,16 @@ list_steps() {
   printf '\n%s --full: %d steps\n' "$result" ${#titles[@]}
   for i in "${!titles[@]}"; do
     time='not known' more=''
-    if [ -n "${seconds[i]}" ]; then time=$(clock "${seconds[i]}"); else unknown=$((unknown + 1)); fi
+    if [ -n "${expected[i]}" ]; then time=$(clock "${expected[i]}"); elif [ -z "${finished[i]}" ]; then unknown=$((unknown + 1)); fi
     if [ "${gigabytes[i]}" != 0 ]; then more=", ${gigabytes[i]} GB of memory"; fi
     if [ -n "${finished[i]}" ]; then more+=', finished before'; fi
     printf '  %12s  %s\n' "$time" "${titles[i]}$more"
-    total=$((total + ${seconds[i]:-0}))
+    total=$((total + ${expected[i]:-0}))
   done
   where=$(sed -n 's/^# machine: //p' "results/$result/steps.csv" 2>/dev/null || true)
   printf '  %12s  altogether%s\n' "$(clock $total)" "${where:+, as measured on: $where}"
-  if [ $unknown -gt 0 ]; then printf '  %12s  and %d steps that were not measured yet\n' '' $unknown; fi
-  printf '  %12s  to go\n' "$(clock $left)"
+  if [ $unknown -gt 0 ]; then more=", and $unknown steps whose time is not known"; else more=''; fi
+  printf '  %12s  to go%s\n' "$(clock $left)" "$more"
 }
 
 # gather: puts together in $out what the steps left, in their order: tables under one header, texts one after another.
@@ -249,7 +249,7 @@ run_steps() {
   if [ -n "$afresh" ]; then rm -rf "$work"; fi
   steps
   for i in "${!titles[@]}"; do
-    if [ -n "${finished[i]}" ]; then skipped=$((skipped + 1)); else left=$((left + ${seconds[i]:-0})); fi
+    if [ -n "${finished[i]}" ]; then skipped=$((skipped + 1)); else left=$((left + ${expected[i]:-0})); fi
   done
   if [ -n "$full" ]; then list_steps; fi
   if [ $skipped -gt 0 ]; then say "$skipped of ${#titles[@]} steps were finished before by the same program; --afresh runs them again"; fi
