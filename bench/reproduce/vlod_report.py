@@ -231,7 +231,7 @@ def draw_walk(results, codecs=("delimiter", "pair-lzw", "gzip-rows", "roaring"))
         for codec, colour in zip(codecs, (BLUE, ORANGE, GREY, GREEN)):
             if codec in of:
                 spread.plot(numpy.sort(of[codec]), numpy.linspace(0, 100, len(of)), color=colour, label=codec, linewidth=1.2)
-        spread.axvline(results.published.published.bytes_a_difference, color=RED, linewidth=1, linestyle="--", label="published upper limit of the mean")
+        spread.axvline(results.published.published.bytes_a_difference, color=RED, linewidth=1, linestyle="--", label="limit of the published mean")
         spread.set(xscale="symlog", xlabel="bytes of a difference", ylabel="boundaries that take less, %")
         spread.set_xscale("symlog", linthresh=10)
         spread.legend(fontsize=7, frameon=False)
