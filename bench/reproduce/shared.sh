@@ -173,7 +173,7 @@ measure_step() {
   shift
   exec 9>&-
   set +m
-  { while kill -0 $$ 2>/dev/null; do sleep 1; done; kill -- "-$group"; } & # no step outlives this script
+  outlive_nobody "$group" &
   watch=$!
   part=$folder.part-$$
   mkdir -p "$part"
@@ -188,6 +188,16 @@ measure_step() {
   rm -rf "$folder"
   mv "$part" "$folder"
   kill $watch
+}
+
+# outlive_nobody GROUP: ends a step when this script has ended, however that came: the step then has another parent.
+outlive_nobody() {
+  local parent=$$
+  while [ "$parent" = $$ ]; do
+    sleep .5
+    read -r _ _ _ parent _ <"/proc/$1/stat" || return 0
+  done
+  kill -- "-$1"
 }
 
 # Processor time, in ticks, that all programs of this machine have taken.
