@@ -1,27 +1,22 @@
-"""Differences and rows, compressed: paper 000's Table 2 and Figs. 9 and 14, and every codec's size against its speed: text, charts, one page.
+"""The report on compressed differences and rows: Table 2 and Figs. 9 and 14 of Chhugani et al. 2005, and the size and speed of every
+codec: text, charts, one page.
 
-    bench/vlod_report.py [OUT [RECORDS]]      reads the tables that ./reproduce vlod had written to OUT/vlod; writes OUT/vlod.html,
-                                              OUT/vlod/vlod.txt and OUT/vlod/*.png; prints the text; keeps text and tables,
-                                              machine and commit in their first lines, in RECORDS
+    bench/reproduce/vlod_report.py [OUT [RECORDS]]   reads the tables that ./reproduce vlod wrote to OUT/vlod, writes report.html,
+                                                     vlod.txt and the charts beside them, prints the text, and keeps text
+                                                     and tables in RECORDS
 
 The notebooks import the same functions. Nothing here measures: every figure is read or a quotient of two that are.
 """
 import pathlib
-import sys
 from dataclasses import dataclass
 
-import matplotlib
-
-if __name__ == "__main__":
-    matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy
 import pandas as pd
 
 import report_tools as tools
-from report_tools import PUBLISHED, bare, plain_ticks, to_html
+from report_tools import BLUE, GREEN, GREY, LIGHT_BLUE, LIGHT_GREY, ORANGE, RED, bare, legend_below, panels, plain_ticks
 
-BLUE, RED, GREY = "#1f4e79", "#b03a2e", "#777777"
 PLAIN = {"bit masks", "ids of 32 bits", "pairs of 32 bits", "lzw of 32 bits"}
 ORDERS = {"random": "random", "printed": "as printed (6.1)", "best": "best"}
 
@@ -29,22 +24,17 @@ ORDERS = {"random": "random", "printed": "as printed (6.1)", "best": "best"}
 @dataclass
 class Results:
     """A table of each program, as it wrote them, and the published figures."""
-    codes: pd.DataFrame            # vlod_tables: differences, a line a code
+    codes: pd.DataFrame            # bench vlod-tables: differences, a line for each code
     compare: pd.DataFrame          # vismat compare
     distinct: pd.DataFrame | None  # vismat compare --distinct
-    failures: pd.DataFrame         # row_failures
-    walk: pd.DataFrame | None      # walk_deltas; not there where no level is
+    failures: pd.DataFrame         # bench row-failures
+    walk: pd.DataFrame | None      # bench walk-deltas
     published: pd.Series
 
 
 def load(out):
-    folder = pathlib.Path(out) / "vlod"
-
-    def read(name):
-        return pd.read_csv(folder / f"{name}.csv", comment="#") if (folder / f"{name}.csv").exists() else None
-
-    published = pd.read_csv(PUBLISHED / "vlod2005.csv", comment="#").set_index("figure")
-    return Results(read("codes"), read("compare"), read("compare_distinct"), read("failures"), read("walk"), published)
+    read = tools.tables_of(pathlib.Path(out) / "vlod")
+    return Results(*map(read, ("codes", "compare", "compare_distinct", "failures", "walk")), tools.published("vlod2005").set_index("figure"))
 
 
 def with_ratios(compare):
@@ -62,13 +52,13 @@ def with_ratios(compare):
 # ---- tables ----------------------------------------------------------------------------------------------------------------
 
 def table_2(results):
-    """Ours beside the paper's: what runs make of bit masks, and the delimiter code of runs."""
+    """Ours beside the published figures: how much smaller runs are than bit masks, and the delimiter code than runs."""
     words = results.published.words
     rows = [{"differences": "UNC power plant", "order": "published", "density": "about .5 %", "ids a run": "about 2.8",
              "ids of 32 bits\nover bit masks": words.ids_over_bitmask, "pairs of 32 bits\nover bit masks": words.pairs_over_bitmask,
              "delimiter\nover pairs": words.delimiter_over_pairs, "overall": words.overall, "smaller than LZW\n(of 32 bits) by": words.smaller_than_lzw, "than LZW\n(of varints) by": "",
              "decoded faster\nthan LZW": words.times_faster_than_lzw, "bytes a\ndifference": words.bytes_a_difference,
-             "us to decode\none": words.decode_us}]
+             "decode\none, us": words.decode_us}]
     for (matrix, order), group in results.codes.groupby(["matrix", "order"], sort=False):
         of = group.set_index("code")
         first, delimiter, lzw = group.iloc[0], of.loc["delimiter"], of.loc["pair-lzw"]
@@ -80,30 +70,30 @@ def table_2(results):
                      "delimiter\nover pairs": f"{pairs / delimiter.bytes:.2f}", "overall": f"{first.bitmask_bytes / delimiter.bytes:.1f}",
                      "smaller than LZW\n(of 32 bits) by": f"{1 - delimiter.bytes / of.bytes['lzw of 32 bits']:.0%}",
                      "than LZW\n(of varints) by": f"{1 - delimiter.bytes / lzw.bytes:.0%}", "decoded faster\nthan LZW": f"{lzw.decode_us / delimiter.decode_us:.1f}",
-                     "bytes a\ndifference": f"{delimiter.bytes / first.differences:,.0f}", "us to decode\none": f"{delimiter.decode_us:.2f}"})
+                     "bytes a\ndifference": f"{delimiter.bytes / first.differences:,.0f}", "decode\none, us": f"{delimiter.decode_us:.2f}"})
     return pd.DataFrame(rows)
 
 
 def tables_of_codes(results, order="best"):
-    """Every code on the same pairs, a table for each matrix of differences."""
+    """Every code on the same pairs, with a table for each matrix of differences."""
     tables = {}
     for matrix, group in results.codes[results.codes.order == order].groupby("matrix", sort=False):
         first = group.iloc[0]
         rows = [{"code": row.code, "bytes": f"{row.bytes:,.0f}", "over\nbit masks": f"{first.bitmask_bytes / row.bytes:.1f}x",
                  "bits an id": f"{8 * row.bytes / row.ones:.2f}", "bytes a\ndifference": f"{row.bytes / row.differences:,.1f}",
                  "encode\nus": "" if row.code in PLAIN else f"{row.encode_us:.2f}", "decode\nus": "" if row.code in PLAIN else f"{row.decode_us:.2f}",
-                 "least to\nmost us": "" if row.code in PLAIN else f"{row.decode_us_least:.2f} to {row.decode_us_most:.2f}"} for row in group.itertuples()]
+                 "fastest to\nslowest us": "" if row.code in PLAIN else f"{row.decode_us_least:.2f} to {row.decode_us_most:.2f}"} for row in group.itertuples()]
         tables[f"{matrix}: {first.differences:,.0f} differences over {first['columns']:,} columns, order {order}"] = pd.DataFrame(rows)
     return tables
 
 
 COMPARED = {"bytes": ("bytes", "{:,.0f}"), "ratio to the bitmap": ("ratio", "{:.2f}"), "bits a visible entry": ("bits", "{:.3f}"),
             "encode, MB/s of bitmap": ("encode_mb_s", "{:,.1f}"), "decode, GB/s of bitmap": ("gb_s", "{:.3f}"),
-            "decode, M ids/s": ("ids_s", "{:,.0f}"), "one row, us, median": ("row_p50_us", "{:.2f}"), "one row, us, 99 of 100": ("row_p99_us", "{:.2f}")}
+            "decode, M ids/s": ("ids_s", "{:,.0f}"), "one row, us, median": ("row_p50_us", "{:.2f}"), "one row, us, 99th percentile": ("row_p99_us", "{:.2f}")}
 
 
 def blocks_of_comparison(compare, measures=tuple(COMPARED)):
-    """Codecs by matrices and orders, a table a measure; permutations' bytes on a line of their own below the bytes."""
+    """Codecs by matrices and orders, a table for each measure; the bytes of the permutations stand on a line of their own."""
     table = with_ratios(compare)
     names = list(dict.fromkeys(zip(table.matrix, table.order)))
     blocks = {}
@@ -119,14 +109,14 @@ def blocks_of_comparison(compare, measures=tuple(COMPARED)):
                 row[f"{matrix}\n{order}".replace(", distinct", "\ndistinct")] = "-" if pd.isna(value) else form.format(value * scale)
             rows.append(row)
         if measure == "bytes":
-            rows.append({"codec": "(to name the order)"} | {f"{m}\n{o}".replace(", distinct", "\ndistinct"):
+            rows.append({"codec": "(names of the order)"} | {f"{m}\n{o}".replace(", distinct", "\ndistinct"):
                         f"{table[(table.matrix == m) & (table.order == o)].permutation_bytes.iloc[0]:,.0f}" for m, o in names})
         blocks[measure] = pd.DataFrame(rows)
     return blocks
 
 
 def table_of_failures(results):
-    """Bytes a row as a share of the bitmap's, a line a codec."""
+    """Bytes of a row as a share of its bitmap, a line for each codec."""
     wide = results.failures.pivot_table(index="codec", columns="row", values="of_bitmap", sort=False)
     slowest = results.failures.loc[results.failures.groupby("codec", sort=False).decode_us.idxmax()].set_index("codec")
     return pd.DataFrame([{"codec": codec} | {row: f"{share:.3f}" for row, share in shares.items()} |
@@ -163,13 +153,13 @@ def label_apart(axes, labels, size=6.5):
 
 
 def draw_pareto(results, columns=2, matrices=None):
-    """A panel a matrix; what decodes at less than a hundredth of the fastest's rate stands at the left edge."""
+    """A panel for each matrix; a codec that decodes at less than a hundredth of the fastest rate is drawn at the left edge."""
     table = with_ratios(results.compare)
     table = table[table.decode_s > 0]
     matrices = matrices or list(dict.fromkeys(table.matrix))
-    lines, all_labels = -(-len(matrices) // columns), []
-    figure, all_axes = plt.subplots(lines, columns, figsize=(7.2 * columns, 5.2 * lines), squeeze=False, layout="constrained")
-    for axes, matrix in zip(all_axes.flat, matrices):
+    all_labels = []
+    figure, all_axes = panels(len(matrices), columns, 7.2, 5.2)
+    for axes, matrix in zip(all_axes, matrices):
         of = table[table.matrix == matrix]
         last = of.order.iloc[-1]
         of = of.assign(ids_s=of.ids_s.clip(lower=of.ids_s.max() / 100))
@@ -184,57 +174,48 @@ def draw_pareto(results, columns=2, matrices=None):
             labels.append((row.ids_s / 1e6, row.ratio, codec, colour))
         edge = front(after.reset_index())
         axes.step(edge.ids_s / 1e6, edge.ratio, where="pre", color="black", linewidth=1, linestyle=":", zorder=2)
-        axes.set(xscale="log", yscale="log", xlabel="decoded, million visible entries a second; the left edge: or fewer", ylabel="times smaller than the bitmap")
-        bare(axes)
-        axes.grid(alpha=.25)
+        axes.set(xscale="log", yscale="log", xlabel="decoding speed, million visible entries a second (slower codecs at the left edge)", ylabel="times smaller than the bitmap")
         plain_ticks(axes.yaxis, "x", (1, 2, 3, 5))
         plain_ticks(axes.xaxis, "", (1, 2, 5))
         all_labels.append((axes, labels))
         first = of.iloc[0]
         axes.set_title(f"{matrix}: {first.rows:,} x {first['columns']:,}, {first.ones / first.rows / first['columns']:.1%} visible", fontsize=10, loc="left")
-    for axes in all_axes.flat[len(matrices):]:
-        axes.set_visible(False)
     figure.canvas.draw()  # settles the layout
     for axes, labels in all_labels:
         label_apart(axes, labels)
     handles = [plt.Line2D([], [], color=BLUE, marker="o", linestyle="", label="ours, any row alone"),
                plt.Line2D([], [], color=RED, marker="o", linestyle="", label="published methods, any row alone"),
                plt.Line2D([], [], color=RED, marker="s", markerfacecolor="white", linestyle="", label="published methods, whole file"),
-               plt.Line2D([], [], color=GREY, marker="o", linestyle="", label="what people use, any row alone"),
-               plt.Line2D([], [], color=GREY, marker="s", markerfacecolor="white", linestyle="", label="what people use, whole file"),
-               plt.Line2D([], [], color="black", linestyle=":", label="none is both smaller and faster"),
+               plt.Line2D([], [], color=GREY, marker="o", linestyle="", label="codecs in common use, any row alone"),
+               plt.Line2D([], [], color=GREY, marker="s", markerfacecolor="white", linestyle="", label="codecs in common use, whole file"),
+               plt.Line2D([], [], color="black", linestyle=":", label="no codec is both smaller and faster"),
                plt.Line2D([], [], color=GREY, linewidth=.6, label="from the natural order to the best one")]
-    figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(.5, -.01), ncols=3, fontsize=8, frameon=False)
+    legend_below(figure, handles, 3, fontsize=8)
     return figure
 
 
 def draw_table_2(results):
-    """How much smaller than bit masks each code makes differences, by order."""
+    """How many times smaller than bit masks each code makes the differences, by order."""
     codes = results.codes
     matrices = list(dict.fromkeys(codes.matrix))
-    columns, lines = min(3, len(matrices)), -(-len(matrices) // 3)
-    figure, all_axes = plt.subplots(lines, columns, figsize=(4.6 * columns, 5 * lines), sharey=True, squeeze=False, layout="constrained")
-    for axes, matrix in zip(all_axes.flat, matrices):
+    figure, all_axes = panels(len(matrices), 3, 4.6, 5, grid=False, sharey=True)
+    for axes, matrix in zip(all_axes, matrices):
         of = codes[(codes.matrix == matrix) & (codes.code != "bit masks")]
         names = list(dict.fromkeys(of.code))[::-1]
-        for i, (order, look) in enumerate({"random": "#d0d0d0", "printed": "#8fb3d9", "best": BLUE}.items()):
+        for i, (order, look) in enumerate({"random": LIGHT_GREY, "printed": LIGHT_BLUE, "best": BLUE}.items()):
             group = of[of.order == order].set_index("code").reindex(names)
             axes.barh(numpy.arange(len(names)) - .27 + .27 * i, group.bitmask_bytes / group.bytes, height=.26, color=look, label=f"order: {ORDERS[order]}")
-        axes.axvline(results.published.published.overall, color=RED, linewidth=1, linestyle="--", label="published, delimiter")
-        axes.axvline(results.published.published.pairs_over_bitmask, color=RED, linewidth=1, linestyle=":", label="published, pairs")
+        axes.axvline(results.published.published.overall, color=RED, linewidth=1, linestyle="--", label="published, delimiter code")
+        axes.axvline(results.published.published.pairs_over_bitmask, color=RED, linewidth=1, linestyle=":", label="published, pairs of 32 bits")
         axes.set(yticks=range(len(names)), yticklabels=names, xscale="log", xlabel="times smaller than bit masks")
         axes.set_title(f"{matrix}, {of.ones.iloc[0] / of.rows.iloc[0] / of['columns'].iloc[0]:.2%} dense", fontsize=10, loc="left")
         plain_ticks(axes.xaxis, "x", (1, 2, 5))
-        bare(axes)
-    for axes in all_axes.flat[len(matrices):]:
-        axes.set_visible(False)
-    handles, labels = all_axes.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper center", bbox_to_anchor=(.5, -.01), ncols=5, fontsize=8, frameon=False)
+    legend_below(figure, all_axes[0].get_legend_handles_labels()[0], 5, fontsize=8)
     return figure
 
 
 def draw_walk(results, codecs=("delimiter", "pair-lzw", "gzip-rows", "roaring")):
-    """Bytes of both lists at each boundary of a walk, as Figs. 9 and 14."""
+    """Bytes of both lists at each boundary of a walk, as in Figs. 9 and 14 of the paper."""
     walk = results.walk
     places = list(dict.fromkeys(walk.matrix))
     figure, all_axes = plt.subplots(len(places), 2, figsize=(12, 2.7 * len(places)), squeeze=False, layout="constrained", width_ratios=(2, 1))
@@ -245,13 +226,13 @@ def draw_walk(results, codecs=("delimiter", "pair-lzw", "gzip-rows", "roaring"))
         along.axhline(of.delimiter.mean(), color="black", linewidth=.8, linestyle=":")
         along.annotate(f"mean of all {len(of):,}: {of.delimiter.mean():,.0f} bytes", (1, of.delimiter.mean()), xytext=(2, 3), textcoords="offset points", fontsize=8,
                        bbox=dict(facecolor="white", edgecolor="none", alpha=.8, pad=1))
-        along.set(ylabel="bytes, delimiter code", xlabel="boundary crossed, the first 200", xlim=(0, 200))
+        along.set(ylabel="bytes, delimiter code", xlabel="boundary (the first 200)", xlim=(0, 200))
         along.set_title(place, fontsize=10, loc="left")
-        for codec, colour in zip(codecs, (BLUE, "#ef6c00", GREY, "#558b2f")):
+        for codec, colour in zip(codecs, (BLUE, ORANGE, GREY, GREEN)):
             if codec in of:
                 spread.plot(numpy.sort(of[codec]), numpy.linspace(0, 100, len(of)), color=colour, label=codec, linewidth=1.2)
-        spread.axvline(results.published.published.bytes_a_difference, color=RED, linewidth=1, linestyle="--", label="published mean, at most")
-        spread.set(xscale="symlog", xlabel="bytes of a difference", ylabel="% of boundaries take less")
+        spread.axvline(results.published.published.bytes_a_difference, color=RED, linewidth=1, linestyle="--", label="limit of the published mean")
+        spread.set(xscale="symlog", xlabel="bytes of a difference", ylabel="boundaries that take less, %")
         spread.set_xscale("symlog", linthresh=10)
         spread.legend(fontsize=7, frameon=False)
         for axes in (along, spread):
@@ -261,7 +242,7 @@ def draw_walk(results, codecs=("delimiter", "pair-lzw", "gzip-rows", "roaring"))
 
 
 def draw_failures(results):
-    """What a row takes at worst, by codec and kind of row."""
+    """The bytes of the rows that are worst, by codec and kind of row."""
     wide = results.failures.pivot_table(index="codec", columns="row", values="of_bitmap", sort=False)
     figure, axes = plt.subplots(figsize=(1.05 * len(wide.columns) + 2, .3 * len(wide) + 1.6), layout="constrained")
     image = axes.imshow(numpy.log2(wide.clip(lower=2**-7)), cmap="RdBu_r", vmin=-4, vmax=4, aspect="auto")
@@ -270,42 +251,43 @@ def draw_failures(results):
     axes.set(xticks=range(len(wide.columns)), yticks=range(len(wide)))
     axes.set_xticklabels([name.replace(" ", "\n", 1) for name in wide.columns], fontsize=8)
     axes.set_yticklabels(wide.index, fontsize=8)
-    axes.set_xlabel("row")
+    axes.set_xlabel("kind of row")
     bar = figure.colorbar(image, ax=axes, shrink=.7, ticks=[-4, -2, 0, 2, 4])
     bar.ax.set_yticklabels(["1/16", "1/4", "1", "4", "16"])
-    bar.set_label("bytes, of the bitmap's")
+    bar.set_label("bytes, in multiples of the bitmap")
     return figure
 
 
 CHARTS = {
-    "pareto": ("Ratio against decode speed: a panel a matrix, a dot a codec; filled: any row can be read alone", draw_pareto),
-    "table_2": ("Table 2 of Chhugani et al. 2005 on our differences: times smaller than bit masks, by order of the columns", draw_table_2),
-    "walk": ("Figs. 9 and 14: bytes of a difference along a walk, and over all of it", draw_walk),
-    "failures": ("What a row of 8192 columns takes, by kind of row; 1 is its bitmap", draw_failures),
+    "pareto": ("Ratio against decoding speed, with a panel for each matrix and a mark for each codec. Of a filled mark any row can be read alone", draw_pareto),
+    "table_2": ("Table 2 of Chhugani et al. 2005 on our differences: how many times smaller than bit masks, by the order of the columns", draw_table_2),
+    "walk": ("Figs. 9 and 14 of Chhugani et al. 2005: bytes of the differences along a walk, and their distribution", draw_walk),
+    "failures": ("Bytes of a row of 8192 columns, by kind of row, in multiples of its bitmap", draw_failures),
 }
 
 
 # ---- the page --------------------------------------------------------------------------------------------------------------
 
-HOW_TO_READ = """A <b>difference</b> is what appears and what vanishes between two view cells that touch: two lists of ids, as
-<b>pairs</b> of a gap and a run length, in one of several codes. <b>Bit masks</b> are one bit a column. Times are medians on one core, of decoding
-all rows one after another into one buffer; <b>one row</b> is a single row at a time, in shuffled order. Bytes are payload and row index; the bytes that name the
-permutations stand on a line of their own, for whoever may renumber objects pays none. Published figures are in italics."""
+HOW_TO_READ = """A <b>difference</b> holds what appears and what vanishes between two view cells that touch: two lists of ids, which are stored as
+<b>pairs</b> of a gap and a run length in one of several codes. <b>Bit masks</b> take one bit for each column. Times are medians on one core for
+decoding all rows one after another into one buffer; <b>one row</b> is the time of a single row, read in shuffled order. Bytes are the payload and
+the row index. The bytes that name the permutations stand on a line of their own, since a scene whose objects may be renumbered
+needs none. Published figures are in italics."""
 
 
 def sections(results):
     """As report_tools.as_text wants them."""
-    yield ("Differences: Table 2", "Ours beside the published. Ratios follow the density of the lists and the ids a run: where both are near the paper's, so "
-           "are they. Small power plants are denser than the whole: the rim of a region grows like the root of its area.",
+    yield ("Differences: Table 2", "Our figures beside the published ones. The ratios depend on the density of the lists and on the ids in a run: where both are near "
+           "those of the paper, the ratios are too. A small power plant is denser than the whole, since the boundary of a region grows like the root of its area.",
            [("", table_2(results)), "table_2", *tables_of_codes(results).items()])
-    yield ("Ratio against decode speed", "Whole-file compressors give back everything or nothing; the others any row.", ["pareto"])
+    yield ("Ratio against decoding speed", "Whole-file compressors decode everything at once; the other codecs decode any row alone.", ["pareto"])
     yield "Every codec on every matrix", "", list(blocks_of_comparison(results.compare).items())
     if results.distinct is not None:
-        yield ("Equal columns once", "A level's faces that are seen from the same cells are one column; the line to name the order holds the map from faces to columns.",
+        yield ("Equal columns stored once", "Faces of a level that are seen from the same cells become one column; the line with the names of the order includes the map from faces to columns.",
                list(blocks_of_comparison(results.distinct, ("bytes", "ratio to the bitmap")).items()))
     if results.walk is not None:
-        yield "Along a walk", "From cell to touching cell; the bytes that a viewer loads at each boundary.", ["walk"]
-    yield ("Rows that are worst", "With the escape no row of ours takes more than its bitmap.", ["failures", ("Shares of the bitmap's 1024 bytes, and the row slowest to decode", table_of_failures(results))])
+        yield "Along a walk", "A viewer walks from a cell to one that touches it; the chart shows the bytes that it loads at each boundary.", ["walk"]
+    yield ("Rows that are worst", "Our codecs store a row as its bitmap where a code would be larger, so that no row takes more than its bitmap.", ["failures", ("Bytes as a share of the 1024 bytes of the bitmap, and the row that is slowest to decode", table_of_failures(results))])
 
 
 def main(out="out", records=None):
@@ -315,4 +297,4 @@ def main(out="out", records=None):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    tools.command_line(main)

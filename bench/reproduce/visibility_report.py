@@ -1,51 +1,41 @@
-"""Visibility from view cells: over-estimation and missed objects against milliseconds, what accuracy depends on, where it fails.
+"""The report on visibility from view cells: over-estimation and missed objects against milliseconds, what accuracy depends on, where
+producers fail: text, charts, one page.
 
-    bench/visibility_report.py [OUT [RECORDS]]   reads the tables that ./reproduce visibility had written to OUT/visibility; writes
-                                                 OUT/visibility.html, OUT/visibility/visibility.txt and OUT/visibility/*.png; prints
-                                                 the text; keeps text and tables, machine and commit in their first lines, in RECORDS
+    bench/reproduce/visibility_report.py [OUT [RECORDS]]   reads the tables that ./reproduce visibility wrote to OUT/visibility,
+                                                           writes report.html, visibility.txt and the charts beside them,
+                                                           prints the text, and keeps text and tables in RECORDS
 
 Nothing here measures: every figure is read, or a sum or quotient of what is read.
 """
 import pathlib
-import sys
 from dataclasses import dataclass
 
-import matplotlib
-
-if __name__ == "__main__":
-    matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy
 import pandas as pd
 
 import report_tools as tools
-from report_tools import PUBLISHED, bare, plain_ticks
+from report_tools import BLUE, GREEN, GREY, ORANGE, RED, bare, legend_below, plain_ticks
 
-BLUE, RED, GREY, GREEN, ORANGE = "#1f4e79", "#b03a2e", "#777777", "#558b2f", "#ef6c00"
 LOOKS = {"shadow": (BLUE, "o"), "sampled": (ORANGE, "s"), "sandwich": (GREEN, "D")}
 BENCHMARK = "dense-city"
-# Producer, most ms a cell, most over-estimation, least share found, most undecided of all objects.
-GOALS = [("shadow", 10, 2.0, None, None), ("sandwich", 150, 1.4, .95, None), ("sandwich", 1000, None, None, .02)]  # of effort 0, 1, 2
+# For effort 0, 1 and 2: the producer, and the goals: milliseconds a cell, over-estimation, share found and share undecided of all objects.
+GOALS = [("shadow", 10, 2.0, None, None), ("sandwich", 150, 1.4, .95, None), ("sandwich", 1000, None, None, .02)]
 
 
 @dataclass
 class Results:
     """A table of each program, as it wrote them, None where it was not run; and the published figures."""
-    tables: pd.DataFrame           # visibility_tables: a line a scene, producer and setting
-    failures: pd.DataFrame | None  # visibility_failures, this and the next
+    tables: pd.DataFrame           # bench visibility-tables: a line for each scene, producer and setting
+    failures: pd.DataFrame | None  # bench visibility-failures, this and the next
     detail: pd.DataFrame | None
-    octree: pd.DataFrame | None    # octree_tables
+    octree: pd.DataFrame | None    # bench octree-tables
     published: pd.DataFrame
 
 
 def load(out):
-    folder = pathlib.Path(out) / "visibility"
-
-    def read(name):
-        return pd.read_csv(folder / f"{name}.csv", comment="#") if (folder / f"{name}.csv").exists() else None
-
-    return Results(read("tables"), read("failures"), read("detail"), read("octree"),
-                   pd.read_csv(PUBLISHED / "vlod2005_visibility.csv", comment="#").set_index("figure"))
+    read = tools.tables_of(pathlib.Path(out) / "visibility")
+    return Results(*map(read, ("tables", "failures", "detail", "octree")), tools.published("vlod2005_visibility").set_index("figure"))
 
 
 # ---- tables ----------------------------------------------------------------------------------------------------------------
@@ -72,13 +62,13 @@ def table_of_goals(results):
             checks.append(("undecided", line.undecided, undecided, "{:.2%}", "at most {:.0%}", line.undecided <= undecided))
         checks.append(("wrongly hidden", line.wrongly_hidden, 0, "{:.0f}", "{:g}", line.wrongly_hidden == 0))
         for name, value, goal, form, goal_form, met in checks:
-            rows.append({"tier": f"{tier}: {producer}", "what": name, "ours": form.format(value), "goal": goal_form.format(goal), "met": "yes" if met else "no"})
+            rows.append({"effort": f"{tier}: {producer}", "measure": name, "ours": form.format(value), "goal": goal_form.format(goal), "met": "yes" if met else "no"})
     return pd.DataFrame(rows)
 
 
 def table_of_runs(results, scene):
     of = results.tables[results.tables.scene == scene]
-    return pd.DataFrame([{"producer": row.producer, "settings": row.settings, "ms a cell\nmedian": f"{row.ms_median:.1f}", "least to most": f"{row.ms_least:.1f} to {row.ms_most:.1f}",
+    return pd.DataFrame([{"producer": row.producer, "settings": row.settings, "ms a cell\nmedian": f"{row.ms_median:.1f}", "least to\nmost ms": f"{row.ms_least:.1f} to {row.ms_most:.1f}",
                           "not hidden": show(row.not_hidden, "{:.1f}"), "seen": show(row.seen, "{:.1f}"), "reference": f"{row.reference:.1f}",
                           "over-\nestimation": show(row.over_estimation, "{:.2f}x"), "found": show(row.found, "{:.1%}"),
                           "undecided,\nof all objects": show(row.undecided if row.producer == "sandwich" else numpy.nan, "{:.2%}"),
@@ -86,7 +76,7 @@ def table_of_runs(results, scene):
 
 
 def table_of_points(results):
-    """What is not hidden from one projection point, against a random one."""
+    """Objects not hidden from one projection point, compared with a random point."""
     rows = []
     points = results.tables[results.tables.producer == "point"]
     for scene, of in points.groupby("scene", sort=False):
@@ -98,23 +88,23 @@ def table_of_points(results):
 
 
 def table_beside_published(results):
-    """The paper's figures, each beside what is nearest to it here."""
+    """The published figures, each beside the nearest of ours."""
     of = results.tables[results.tables.wrongly_hidden.notna()]
     single = of[(of.producer == "shadow") & of.settings.str.contains("effort 0")]
     published = results.published.words
-    rows = [("ms a view cell, one core", published.ms_a_cell, f"{single.ms_median.min():.1f} to {single.ms_median.max():.1f} ms", "effort 0, scenes of this page; today's hardware"),
-            ("over-estimation", published.over_estimation, f"{single.over_estimation.min():.2f} to {single.over_estimation.max():.2f} times", "effort 0; against 4 million rays a cell and more, not 125 points")]
+    rows = [("ms a view cell, one core", published.ms_a_cell, f"{single.ms_median.min():.1f} to {single.ms_median.max():.1f} ms", "effort 0, the scenes of this page, on current hardware"),
+            ("over-estimation", published.over_estimation, f"{single.over_estimation.min():.2f} to {single.over_estimation.max():.2f} times", "effort 0; the reference is at least 4 million rays a cell, not 125 points")]
     points = results.tables[results.tables.producer == "point"].pivot_table(index="scene", columns="settings", values="not_hidden")
     if len(points):
         fewer = 1 - points["apexes (published)"] / points["random"]
-        rows.append(("fewer objects than from a random point", published.fewer, f"{fewer.min():.1%} to {fewer.max():.1%}", "the paper's objective; the table of projection points has ours"))
+        rows.append(("fewer objects than from a random point", published.fewer, f"{fewer.min():.1%} to {fewer.max():.1%}", "with the objective of the paper; ours is in the table of projection points"))
     if results.octree is not None:
         last = results.octree.loc[results.octree.groupby(["scene", "threshold"])["level"].idxmax()]
         last = last[last.stopped > 0]
         share = last.stopped / last.kept
-        rows.append(("smallest octree cells above the threshold", published.stopped, f"{share.min():.0%} to {share.max():.0%}", "depends on threshold and levels, which the paper does not tell"))
+        rows.append(("smallest octree cells above the threshold", published.stopped, f"{share.min():.0%} to {share.max():.0%}", "depends on the threshold and the levels, which the paper does not give"))
         rows.append(("their triangles, times the threshold", published.excess, f"{last.excess.min():.2f} to {last.excess.max():.2f}", ""))
-    return pd.DataFrame(rows, columns=["", "published", "ours", "note"])
+    return pd.DataFrame(rows, columns=["measure", "published", "ours", "note"])
 
 
 def table_of_failures(results, studies):
@@ -124,8 +114,8 @@ def table_of_failures(results, studies):
 
 
 def table_of_detail(results):
-    return pd.DataFrame([{"error seen": row.rule, "objects": f"{row.objects:,}", "not the finest": f"{row.coarser:,}", "triangles, finest": f"{row.triangles_full:,}", "drawn": f"{row.triangles:,}",
-                          "pixels, median": f"{row.median_pixels:.3f}", "most": f"{row.most_pixels:.3f}", "over one pixel": f"{row.over_one_pixel:,}"} for row in results.detail.itertuples()])
+    return pd.DataFrame([{"rule": row.rule, "objects": f"{row.objects:,}", "drawn coarser": f"{row.coarser:,}", "triangles of\nthe finest level": f"{row.triangles_full:,}", "triangles\ndrawn": f"{row.triangles:,}",
+                          "median error,\npixels": f"{row.median_pixels:.3f}", "largest error,\npixels": f"{row.most_pixels:.3f}", "objects over\none pixel": f"{row.over_one_pixel:,}"} for row in results.detail.itertuples()])
 
 
 def table_of_octree(results):
@@ -139,7 +129,7 @@ def table_of_octree(results):
 # ---- charts ----------------------------------------------------------------------------------------------------------------
 
 def draw_tiers(results):
-    """The headline: a column a scene; above over-estimation, below missed objects, against ms a cell."""
+    """A column for each scene: above over-estimation, below missed objects, over milliseconds a cell."""
     scenes = list(dict.fromkeys(results.tables.scene))
     figure, all_axes = plt.subplots(2, len(scenes), figsize=(3.1 * len(scenes) + .8, 6.4), squeeze=False, layout="constrained", sharex="col")
     for i, (scene, (above, below)) in enumerate(zip(scenes, all_axes.T)):
@@ -169,21 +159,21 @@ def draw_tiers(results):
         below.set_ylim(0, None)
         objects = of.objects.iloc[0]
         above.set_title(f"{scene}\n{of.triangles.iloc[0]:,} triangles, {objects:,} objects", fontsize=9, loc="left")
-        below.set_xlabel("ms of one core a view cell")
+        below.set_xlabel("milliseconds of one core for a view cell")
         if i == 0:
-            above.set_ylabel("objects not proven hidden,\ntimes the reference")
+            above.set_ylabel("objects not proven hidden,\nin multiples of the reference")
             below.set_ylabel("visible objects missed, %")
         for axes in (above, below):
             bare(axes)
             axes.grid(alpha=.25)
     handles = [plt.Line2D([], [], color=colour, marker=marker, markersize=5, linewidth=.8, label={"shadow": "shadow (proves hidden)", "sampled": "sampled (proves seen)", "sandwich": "sandwich (both)"}[name]) for name, (colour, marker) in LOOKS.items()]
-    handles.append(plt.Line2D([], [], color=RED, marker="x", linestyle="", label="goals on the dense city; digits: --effort"))
-    figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(.5, -.01), ncols=4, fontsize=9, frameon=False)
+    handles.append(plt.Line2D([], [], color=RED, marker="x", linestyle="", label="goals on the dense city (digits are the effort)"))
+    legend_below(figure, handles, 4, fontsize=9)
     return figure
 
 
 def draw_accuracy(results):
-    """Dense city: against raster, view cell and triangles, and by kind of occluder."""
+    """Over-estimation on the dense city: over raster, view cell and triangle size, and by kind of occluder."""
     failures = results.failures
     studies = set(failures.study)
     figure, all_axes = plt.subplots(1, 4, figsize=(15, 3.9), layout="constrained", width_ratios=(1, 1, 1, 1.2))
@@ -193,7 +183,7 @@ def draw_accuracy(results):
         raster.plot(of.settings.astype(float), of.over_estimation, color=BLUE, marker="o")
         for row in of.itertuples():
             raster.annotate(f"{row.ms_median:.0f} ms", (float(row.settings), row.over_estimation), xytext=(0, 6), textcoords="offset points", ha="center", fontsize=7)
-        raster.set(xscale="log", xlabel="pixels a side of the cube map's faces")
+        raster.set(xscale="log", xlabel="side of a face of the cube map, pixels")
         raster.set_xticks(of.settings.astype(float), of.settings.astype(str))
         raster.xaxis.set_minor_locator(plt.NullLocator())
         raster.set_ylim(1, 1.1 * of.over_estimation.max())
@@ -210,7 +200,7 @@ def draw_accuracy(results):
         of = failures[failures.study == "triangles"]
         for settings, group in of.groupby("settings", sort=False):
             triangles.plot(group.value.astype(float), group.over_estimation, color=BLUE if settings == "occluders" else RED, marker="o", label={"occluders": "solids and flat faces"}.get(settings, settings))
-        triangles.set(xscale="log", yscale="log", xlabel="longest leg of the walls' triangles, m")
+        triangles.set(xscale="log", yscale="log", xlabel="longest leg of a triangle of the walls, m")
         steps = sorted(of.value.astype(float).unique())
         triangles.set_xticks(steps, [f"{step:g}" for step in steps])
         triangles.xaxis.set_minor_locator(plt.NullLocator())
@@ -222,10 +212,10 @@ def draw_accuracy(results):
         kinds.barh(places, of.over_estimation, color=[RED if name == "single triangles" else BLUE for name in of.settings], height=.65)
         for place, row in zip(places, of.itertuples()):
             kinds.text(row.over_estimation, place, f" {row.over_estimation:.2f}x", va="center", fontsize=8)
-        kinds.set(yticks=places, xlabel="not proven hidden, times the reference", xscale="log", xlim=(1, 1.6 * of.over_estimation.max()))
+        kinds.set(yticks=places, xlabel="objects not proven hidden, in multiples of the reference", xscale="log", xlim=(1, 1.6 * of.over_estimation.max()))
         kinds.set_yticklabels(of.settings, fontsize=8)
         plain_ticks(kinds.xaxis, "x", (1, 2, 5))
-    raster.set_ylabel("not proven hidden,\ntimes the reference")
+    raster.set_ylabel("objects not proven hidden,\nin multiples of the reference")
     for axes in all_axes:
         bare(axes)
         axes.grid(alpha=.25)
@@ -233,46 +223,46 @@ def draw_accuracy(results):
 
 
 CHARTS = {
-    "visibility_tiers": ("Over-estimation and missed objects against milliseconds a view cell: a column a scene, a point a setting", draw_tiers, ("tables",)),
-    "visibility_accuracy": ("What over-estimation depends on: the dense city, effort 0 unless said otherwise", draw_accuracy, ("failures",)),
+    "visibility_tiers": ("Over-estimation and missed objects against milliseconds for a view cell, with a column for each scene and a mark for each setting", draw_tiers, ("tables",)),
+    "visibility_accuracy": ("What over-estimation depends on: the dense city at effort 0 unless another effort is named", draw_accuracy, ("failures",)),
 }
-
-
-def charts_of(results):
-    """Those whose tables are there: name to caption and function."""
-    return {name: (caption, draw) for name, (caption, draw, needs) in CHARTS.items() if all(getattr(results, need) is not None for need in needs)}
 
 
 # ---- the page --------------------------------------------------------------------------------------------------------------
 
-HOW_TO_READ = """For view cells spread over each scene, a producer tells of every object whether it is proven <b>hidden</b>, proven <b>seen</b>, or neither.
-<b>Reference</b>: what about four million rays a cell find, and all that any producer saw; it is below the truth, so
-<b>over-estimation</b>, the objects not proven hidden over the reference, looks worse than it is. <b>Found</b>: seen, of the reference. <b>Undecided</b>: neither, of all
-objects of the scene. <b>Wrongly hidden</b>: hidden, yet in the reference; a program ends with an error if there is one. Milliseconds are of one thread by the processor's own
-clock, so that other work on the machine does not count (but what it takes of caches and of the core's other thread does); preparing the scene is not in them. Published figures are in italics."""
+HOW_TO_READ = """For view cells spread over each scene, a producer classifies every object: it is proven <b>hidden</b>, proven <b>seen</b>, or neither. The
+<b>reference</b> is the set of objects that about four million rays from a cell or any producer saw. It is smaller than the true visible set, so
+<b>over-estimation</b>, the number of objects not proven hidden over the reference, looks worse than it is. <b>Found</b> is the share of the
+reference that was proven seen. <b>Undecided</b> objects are neither hidden nor seen, as a share of all objects of the scene. <b>Wrongly hidden</b>
+objects are reported hidden although they are in the reference; a program ends with an error if there is one. Milliseconds are processor time of
+one thread, so other work on the machine does not count, although it may slow caches and shared cores. They do not include the preparation of
+the scene. Published figures are in italics."""
 
 
 def sections(results):
     """As report_tools.as_text wants them."""
-    yield ("Over-estimation and missed objects against milliseconds a view cell", "", ["visibility_tiers", ("The project's goals, on the dense city", table_of_goals(results)),
-                                                                                         ("Beside the published figures", table_beside_published(results))])
-    yield ("Projection points", "Mean objects not hidden, effort 0, from one point of the cell; in brackets the change against a random point.", [("", table_of_points(results))])
+    goals = table_of_goals(results)
+    yield ("Over-estimation and missed objects against milliseconds for a view cell", "",
+           ["visibility_tiers", *([("The goals of the project, on the dense city", goals)] if len(goals) else []),
+            ("Comparison with the published figures", table_beside_published(results))])
+    yield ("Projection points", "Mean number of objects not hidden at effort 0 from one point of the cell; in brackets the change against a random point.",
+           [("", table_of_points(results))])
     if results.failures is not None:
         yield "What accuracy depends on", "", ["visibility_accuracy", ("", table_of_failures(results, ["raster", "cell", "triangles", "occluders"]))]
-        yield ("Where it fails", "A wall before a cell of 2 m, and 81 boxes behind; far coordinates: a city of 8 x 8 squares, moved.",
+        yield ("Where producers fail", "A wall in front of a cell of 2 m, with 81 boxes behind it. For far coordinates, a city of 8 x 8 squares is moved.",
                [("", table_of_failures(results, [name for name in dict.fromkeys(results.failures.study) if name not in ("raster", "cell", "triangles", "occluders")]))])
     if results.detail is not None:
-        yield ("Levels of detail", "How far vertices of the finest level lie from the one that is drawn, from the cell's corners, in pixels of a picture of 1920 x 1080.", [("", table_of_detail(results))])
+        yield ("Levels of detail", "The distance between vertices of the finest level and the level that is drawn, seen from the corners of the cell, in pixels of a picture of 1920 x 1080.", [("", table_of_detail(results))])
     if results.octree is not None:
-        yield "The adaptive octree", "Excess: mean triangles of the cells that the level limit stopped, over the threshold.", [("", table_of_octree(results))]
+        yield "The adaptive octree", "Excess is the mean number of triangles in the cells that the limit on levels stopped, over the threshold.", [("", table_of_octree(results))]
     yield "Every setting", "", [(scene, table_of_runs(results, scene)) for scene in dict.fromkeys(results.tables.scene)]
 
 
 def main(out="out", records=None):
     results = load(out)
-    charts = {name: (caption, draw(results)) for name, (caption, draw) in charts_of(results).items()}
+    charts = {name: (caption, draw(results)) for name, (caption, draw) in tools.drawable(CHARTS, results).items()}
     tools.write_report(out, "visibility", "Visibility from view cells", HOW_TO_READ, sections(results), charts, records)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    tools.command_line(main)

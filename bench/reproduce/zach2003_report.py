@@ -1,26 +1,21 @@
-"""Zach and Karner 2003, Tables 1 and 2, for our data beside the published figures: text, charts, one page.
+"""Tables 1 and 2 of Zach and Karner 2003, our data beside the published figures: text, charts, one page.
 
-    bench/report.py [OUT]    reads OUT/zach2003_scenes.csv and OUT/zach2003.csv, which bench/zach_tables wrote, and
-                             OUT/zach2003_structure.csv of bench/table_structure.py; writes OUT/zach2003.txt, OUT/*.png
-                             and OUT/report.html; prints the text
+    bench/reproduce/zach2003_report.py [OUT [RECORDS]]   reads the tables that ./reproduce zach2003 wrote to OUT/zach2003, writes
+                                                         report.html, zach2003.txt and the charts beside them, prints the
+                                                         text, and keeps text and tables in RECORDS
 
 The notebook imports the same functions. Nothing here measures: every figure is read, and every ratio is table size / bytes.
 """
-import html
 import pathlib
-import sys
 import textwrap
 from dataclasses import dataclass
 
-import matplotlib
-
-if __name__ == "__main__":
-    matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import pandas as pd
+from matplotlib.patches import Patch
 
 import report_tools as tools
-from report_tools import OURS, PUBLISHED, THEIRS, bare, plain_ticks, to_html, to_text
+from report_tools import OURS, THEIRS, bare, name_of, plain_ticks
 
 # What the paper calls each row of Table 2. It measured Huffman codes for methods 3 and 4 after the greedy order of the view
 # cells, so those are compared; it only calculated what arithmetic coding would give (13-15 % less for method 3), and only
@@ -33,14 +28,14 @@ OURS_ONLY = {"zach3-neighbours": "method 3, neighbours", "zach3-range": "method 
 MEASURED = {("zach3-huffman", "greedy"): "zach3", ("zach4-huffman", "greedy"): "zach4", ("zach3-range", "greedy"): "zach3-range",
             ("zach4-range", "greedy"): "zach4-range", ("zach3-huffman", "neighbours"): "zach3-neighbours",
             **{(codec, "natural"): codec for codec in ("bitmap", "quake-rle", "gzip", "bzip2", "zach0", "zach1", "zach2")}}
-SCENES = {"artificial-1": "artificial 1", "artificial-2": "artificial 2", "inner-city": "inner city", "complete": "complete"}
+SCENES = ("artificial-1", "artificial-2", "inner-city", "complete")  # of the paper
 FAR = 4 / 3  # a ratio further than this from the published one is explained in the notebook
 
 
 @dataclass
 class Results:
     """scenes: Table 1, sizes: Table 2 with a row a matrix and codec; each ours and as published, the same columns.
-    structure: what bench/table_structure.py measured of each matrix."""
+    structure: what table_structure.py measured of each matrix."""
     scenes: pd.DataFrame
     sizes: pd.DataFrame
     published_scenes: pd.DataFrame
@@ -57,12 +52,11 @@ class Results:
 
 
 def load(out):
-    """Reads what zach_tables and table_structure.py wrote into the folder `out`, and the published figures."""
-    def scenes(path):
-        return pd.read_csv(path, comment="#").set_index("matrix")
+    """Reads what zach-tables and table_structure.py wrote into the folder OUT/zach2003, and the published figures."""
+    def scenes(table):
+        return table.sort_values("matrix", kind="stable").set_index("matrix")
 
-    def sizes(path):
-        table = pd.read_csv(path, comment="#")
+    def sizes(table):
         if "order" in table:
             keys = [MEASURED.get(key) for key in zip(table["codec"], table["order"])]
             table = table.assign(codec=keys).dropna(subset="codec")
@@ -70,10 +64,9 @@ def load(out):
         table["ratio"] = table.index.get_level_values("matrix").map(table["bytes"].xs("bitmap", level="codec")) / table["bytes"]
         return table
 
-    out = pathlib.Path(out)
-    return Results(scenes(out / "zach2003_scenes.csv"), sizes(out / "zach2003.csv"),
-                   scenes(PUBLISHED / "zach2003_scenes.csv"), sizes(PUBLISHED / "zach2003.csv"),
-                   scenes(out / "zach2003_structure.csv"))
+    read = tools.tables_of(pathlib.Path(out) / "zach2003")
+    return Results(scenes(read("zach2003_scenes")), sizes(read("zach2003")), scenes(tools.published("zach2003_scenes")),
+                   sizes(tools.published("zach2003")), scenes(read("zach2003_structure")))
 
 
 # ---- tables ----------------------------------------------------------------------------------------------------------------
@@ -85,7 +78,7 @@ def table1(results):
         for whose, table in (("ours", results.scenes), ("published", results.published_scenes)):
             if name in table.index:
                 scene = table.loc[name]
-                rows.append({"scene": SCENES.get(name, name), "": whose, "view cells": f"{scene.view_cells:,.0f}",
+                rows.append({"scene": name_of(name), "": whose, "view cells": f"{scene.view_cells:,.0f}",
                              "occludees": f"{scene.occludees:,.0f}", "average visibility": f"{scene.average_visibility:.1%}"})
     return pd.DataFrame(rows)
 
@@ -104,7 +97,7 @@ def _run(table, name, codec):
 
 def table2(results):
     """The paper's four scenes: bytes, and how many times smaller than the table."""
-    columns = {(SCENES[name], whose): (name, table)
+    columns = {(name_of(name), whose): (name, table)
                for name in SCENES for whose, table in (("ours", results.sizes), ("published", results.published_sizes))
                if name in table.index.get_level_values("matrix")}
     rows = {"table size": "bitmap", **{label: codec for codec, label in {**METHODS, **OURS_ONLY}.items()}}
@@ -219,10 +212,10 @@ def draw_ratios(results):
                 axes.bar(i + offset, ratio, 0.4, **style)
                 axes.text(i + offset, ratio, f"{ratio:.1f}", ha="center", va="bottom", fontsize=7.5)
         axes.set_xticks(range(len(METHODS)), [label.replace(" ", "\n") for label in METHODS.values()], fontsize=9)
-        axes.set_title(SCENES[name], fontsize=11)
+        axes.set_title(name_of(name), fontsize=11)
         axes.grid(axis="y", color="#dddddd")
         axes.set_ylabel("table size / compressed size")
-        axes.legend(handles=[matplotlib.patches.Patch(label="ours", **OURS), matplotlib.patches.Patch(label="published 2003", **THEIRS)],
+        axes.legend(handles=[Patch(label="ours", **OURS), Patch(label="published 2003", **THEIRS)],
                     loc="upper center", bbox_to_anchor=(0.5, -0.14), ncol=2, frameon=False)
     return figure
 
@@ -275,7 +268,7 @@ def draw_bytes_against_visibility(results):
                 axes.scatter(x, size, s=36 if few or name in SCENES else 10, marker=markers[codec], linewidths=1.2, color=color,
                              facecolors=(color if filled else "white") if codec == "zach3" else None, zorder=3)
             if few or name in SCENES:
-                labels.append((x, max(points.values()), SCENES.get(name, name) + ("" if filled else ", published"), color))
+                labels.append((x, max(points.values()), name_of(name) + ("" if filled else ", published"), color))
     axes.set_xscale("log")
     axes.set_yscale("log")
     _label_above(axes, labels)
@@ -315,55 +308,36 @@ CHARTS = {
 
 # ---- the page --------------------------------------------------------------------------------------------------------------
 
-def text(results):
-    parts = ["Table 1: scenes", to_text(table1(results)), "", "Table 2: lossless compression", to_text(table2(results)), "",
-             "What each size contains", *(f"{row:22}  {holds}" for row, holds in contents(results))]
-    if results.levels:
-        parts += ["", "Table 2 on real levels: ratio to the table's size (* the smallest; the paper has no such data)",
-                  to_text(table2_levels(results))]
-    return "\n".join(parts)
-
-
 HOW_TO_READ = """A visibility matrix has a row for each view cell and a column for each node of a hierarchy over the scene's
-objects; a one says that the node may be seen from the cell. <b>Table size</b> is one bit an entry, rows padded to bytes. Each
-other figure is the bytes of a payload that was decoded again and compared; in brackets, how many times smaller than the table
-that is (5.2x: the table takes 5.2 times as much). gzip and bzip2 compress the whole table; methods 0 to 4 give each node's
-visibility on its own. Before methods 3 and 4 the view cells are reordered. Naming that order takes bytes, and so does an index of where
-each node's part begins, if the parts are kept in one file: both stand on lines of their own and, as in the paper, in no other figure.
-The range-coded variants are what the paper calculated but did not build. <b>Published</b> figures (hatched or hollow in the charts) are
-of other data: the artificial scenes are rebuilt from the paper's words, the city of Graz is not to be had, and the levels
-(clusters or sectors by clusters, sectors or faces, under a tree of bounding boxes) are ours alone."""
-
-def page(results, charts):
-    """One HTML page that needs no other file; charts maps a caption to PNG bytes."""
-    levels = f"<h2>Table 2 on real levels: ratio</h2>\n{to_html(table2_levels(results))}\n" if results.levels else ""
-    return tools.page("vismat: Zach and Karner 2003", f"""<h1>Compressed visibility: Zach and Karner 2003, Tables 1 and 2</h1>
-<p>{HOW_TO_READ}</p>
-<h2>Table 1: scenes</h2>
-{to_html(table1(results))}
-<h2>Table 2: lossless compression, bytes (ratio)</h2>
-{to_html(table2(results))}
-<h2>What each size contains</h2>
-<table class="words">{"".join(f"<tr><td>{html.escape(row)}</td><td>{html.escape(holds)}</td></tr>" for row, holds in contents(results))}</table>
-{levels}<h2>Charts</h2>
-{"".join(tools.figure(caption, png) for caption, png in charts.items())}""")
+objects; a one says that the node may be seen from the cell. <b>Table size</b> is one bit for each entry, with rows padded to bytes.
+Each other figure is the bytes of a payload that was decoded again and compared; in brackets, how many times smaller than the table
+that is (5.2x: the table takes 5.2 times as much). gzip and bzip2 compress the whole table; methods 0 to 4 store each node's
+visibility on its own. Before methods 3 and 4 the view cells are reordered. Naming that order takes bytes, and so does an index of
+where each node's part begins, if the parts are kept in one file: both stand on lines of their own and, as in the paper, in no
+other figure. The range-coded variants are what the paper calculated but did not build. <b>Published</b> figures (hatched or hollow
+in the charts) are of other data: we rebuilt the artificial scenes from the paper's description, the city of Graz is not available,
+and the levels are ours alone. A level's rows are its clusters or sectors, and its columns are the nodes of a tree of bounding boxes
+over its clusters, sectors or faces."""
 
 
-def main(out):
-    out = pathlib.Path(out)
+def sections(results):
+    """As report_tools.as_text wants them."""
+    holds = pd.DataFrame(contents(results), columns=["line", "what the bytes hold"])
+    holds.attrs["words"] = True
+    yield "Table 1: scenes", "", [("", table1(results))]
+    yield "Table 2: lossless compression, bytes (ratio)", "", [("", table2(results)), ("What each size contains", holds), "ratios"]
+    if results.levels:
+        yield ("Table 2 on real levels: ratio", "A star marks the smallest of what the paper compares. The paper has no such data.",
+               [("", table2_levels(results)), "levels"])
+    yield "Bytes against average visibility", "", ["bytes_against_visibility"]
+
+
+def main(out="out", records=None):
     results = load(out)
-    charts = {}
-    for name, (caption, draw) in CHARTS.items():
-        if name == "levels" and not results.levels:
-            continue
-        figure = draw(results)
-        figure.savefig(out / f"{name}.png", dpi=130)
-        plt.close(figure)
-        charts[caption] = (out / f"{name}.png").read_bytes()
-    (out / "report.html").write_text(page(results, charts))
-    (out / "zach2003.txt").write_text("\n".join([text(results), "", *tools.provenance(), ""]))
-    print(text(results))
+    charts = {name: (caption, draw(results)) for name, (caption, draw) in CHARTS.items() if name != "levels" or results.levels}
+    tools.write_report(out, "zach2003", "Compressed visibility: Zach and Karner 2003, Tables 1 and 2", HOW_TO_READ, sections(results), charts,
+                       records)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "out")
+    tools.command_line(main)

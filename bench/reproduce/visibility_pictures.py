@@ -1,4 +1,4 @@
-"""Pictures of what `vismat see --producer sandwich` says of a view cell: objects seen, undecided and hidden, in plan and slanting.
+"""Pictures of the objects that `vismat see --producer sandwich` proves seen and hidden from a view cell, from above and in space.
 
 Read are pairs of matrices NAME.effortN.bsp.h5 (-o) and NAME.effortN.seen.bsp.h5 (--seen). notebooks/visibility.ipynb imports this.
 """
@@ -14,9 +14,9 @@ import pandas as pd
 from matplotlib.collections import LineCollection, PolyCollection
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from report_tools import bare
+from report_tools import GREEN, ORANGE, RED, bare
 
-SEEN, UNDECIDED, HIDDEN, CELL = "#558b2f", "#ef6c00", "#c9ced4", "#b03a2e"
+SEEN, UNDECIDED, HIDDEN, CELL = GREEN, ORANGE, "#c9ced4", RED
 COLOURS = (HIDDEN, UNDECIDED, SEEN)
 NAMES = ("hidden", "undecided", "seen")
 SIGHT_LINES = 40  # in one picture; more hide the objects
@@ -24,15 +24,15 @@ SIGHT_LINES = 40  # in one picture; more hide the objects
 
 @dataclass
 class Sandwich:
-    """What both matrices of one run say."""
+    """Both matrices of one run."""
     scene: str
     effort: int
     cells: numpy.ndarray        # boxes, as the next: low x, y, z, high x, y, z
     objects: numpy.ndarray
     state: numpy.ndarray        # [cells, objects]: 0 hidden, 1 undecided, 2 seen
     seen_pointers: numpy.ndarray
-    sight_lines: numpy.ndarray  # an entry of the seen matrix each: a point of the cell, a point of the object
-    degrees: numpy.ndarray      # the same: part of all directions
+    sight_lines: numpy.ndarray  # for each entry of the seen matrix: a point of the cell, a point of the object
+    degrees: numpy.ndarray      # for each entry too: its part of all directions
 
     def of_cell(self, values, cell):
         return values[self.seen_pointers[cell]:self.seen_pointers[cell + 1]]
@@ -54,7 +54,7 @@ def load(out):
 
 
 def typical_cell(of):
-    """That with the median number of undecided objects."""
+    """The cell with the median number of undecided objects."""
     counts = (of.state == 1).sum(1)
     return int(numpy.argsort(counts, kind="stable")[len(counts) // 2])
 
@@ -104,7 +104,7 @@ def draw_efforts(runs):
 
 
 def draw_slanting(of):
-    """The same in space: what is seen and undecided as boxes, what is hidden as outlines on the ground."""
+    """The same in space: seen and undecided objects as solid boxes, hidden ones as faint ones."""
     cell = typical_cell(of)
     figure = plt.figure(figsize=(7, 5), layout="constrained")
     axes = figure.add_subplot(projection="3d", computed_zorder=True)
@@ -125,15 +125,15 @@ def draw_slanting(of):
 
 
 def draw_counts(runs):
-    """Undecided objects a cell, and how large what is seen appears."""
+    """Undecided objects of a cell, and the degree of visibility of the seen ones."""
     figure, (undecided, degree) = plt.subplots(1, 2, figsize=(11, 3.4), layout="constrained")
     for of, colour in zip(runs, plt.cm.viridis(numpy.linspace(0, .85, len(runs)))):
         name = f"{of.scene}, effort {of.effort}"
         undecided.hist(100 * (of.state == 1).mean(1), bins=20, histtype="step", color=colour, label=name)
         degrees = numpy.sort(of.degrees[of.degrees > 0])[::-1]
         degree.plot(numpy.arange(1, len(degrees) + 1) / len(of.cells), degrees, color=colour, label=name)
-    undecided.set(xlabel="undecided, % of the objects", ylabel="view cells")
-    degree.set(xscale="log", yscale="log", xlabel="seen objects a cell, largest first", ylabel="part of all directions")
+    undecided.set(xlabel="undecided objects, % of all", ylabel="number of view cells")
+    degree.set(xscale="log", yscale="log", xlabel="seen objects of a cell, largest first", ylabel="degree of visibility (part of all directions)")
     for axes in (undecided, degree):
         bare(axes)
         axes.legend(fontsize=8, frameon=False)
