@@ -1,10 +1,7 @@
 // Matrices of view cells with neighbours, for tests of differences.
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <set>
-#include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,15 +12,6 @@ namespace vismat {
 
 using Rows = std::vector<std::vector<std::uint32_t>>;
 inline constexpr std::uint32_t outside = Boundary::outside;
-
-inline std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
 
 // Some rows are empty, some equal to an earlier one, some like it.
 inline VisibilityMatrix random_cells(Shape shape, Random& random) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/matrix/neighbouring_cells.h"
+#include "tests/refusal.h"
 
 namespace vismat {
 namespace {
@@ -35,21 +36,26 @@ TEST(DifferenceWalk, StaysWhereItIsIfNoBoundaryLeadsOn) {
   const auto cells = VisibilityMatrix::from_rows({{0, 1}, {1, 2}, {5}}, 6);
   Deltas deltas = deltas_of(cells, symmetric(3, {{0, 1}}));
   DifferenceWalk walk(deltas);
-  EXPECT_EQ(refusal([&] { walk.go(1); }), "no boundary leads from outside to cell 1");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { walk.go(1); }),
+            "no boundary leads from outside to cell 1");
   walk.go(0);
-  EXPECT_EQ(refusal([&] { walk.go(2); }), "no boundary leads from cell 0 to cell 2");
-  EXPECT_EQ(refusal([&] { walk.go(0); }), "no boundary leads from cell 0 to cell 0");
-  EXPECT_EQ(refusal([&] { walk.go(77); }), "no boundary leads from cell 0 to cell 77");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { walk.go(2); }),
+            "no boundary leads from cell 0 to cell 2");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { walk.go(0); }),
+            "no boundary leads from cell 0 to cell 0");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { walk.go(77); }),
+            "no boundary leads from cell 0 to cell 77");
   EXPECT_TRUE(std::ranges::equal(walk.visible(), cells.row(0)));
 
   deltas.lists = VisibilityMatrix::from_rows({{0, 1}, {}, {5}, {}, {1}, {}}, 6);
   DifferenceWalk damaged(deltas);
   damaged.go(0);
-  EXPECT_EQ(refusal([&] { damaged.go(1); }), "column 1 appears, but was visible before");
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { damaged.go(1); }),
+            "column 1 appears, but was visible before");
   EXPECT_EQ(damaged.cell(), 0u);
   EXPECT_TRUE(std::ranges::equal(damaged.visible(), cells.row(0)));
   deltas.lists = VisibilityMatrix({4, 6});
-  EXPECT_EQ(refusal([&] { DifferenceWalk short_of_lists(deltas); }),
+  EXPECT_EQ(test::refusal<std::invalid_argument>([&] { DifferenceWalk short_of_lists(deltas); }),
             "3 boundaries, but 4 lists; each has two");
 }
 

@@ -62,7 +62,7 @@ double farthest_beyond(std::span<const glm::dvec3> vertices, const glm::dvec3& n
   return farthest;
 }
 
-Convex convex_box(std::vector<glm::dvec3> corners) {
+Convex convex_turned_box(std::vector<glm::dvec3> corners) {
   return convex_from_faces(std::move(corners), {box_faces.begin(), box_faces.end()});
 }
 

@@ -29,7 +29,7 @@ struct Convex {
 /// 8 vertices, 6 faces, 12 edges, however flat the box.
 Convex convex_box(const Box& box);
 /// The same for a box that is turned: corner bits 1, 2 and 4 tell high x, y and z in its own frame.
-Convex convex_box(std::vector<glm::dvec3> corners);
+Convex convex_turned_box(std::vector<glm::dvec3> corners);
 /// Over the triangle `ground`, from `low` to `high` above it: 6 vertices, 5 faces, 9 edges. The triangle may slope.
 Convex convex_prism(const std::array<glm::vec3, 3>& ground, float low, float high);
 /// A flat convex polygon, corners in order round it; two faces. `normal` belongs to the side from which they run

@@ -80,7 +80,7 @@ Convex box_in(const Frame& frame, const Bounds& box) {
     corners.push_back(frame.world({(corner & 1 ? box.high : box.low).x, (corner & 2 ? box.high : box.low).y,
                                    (corner & 4 ? box.high : box.low).z}));
   }
-  return convex_box(std::move(corners));
+  return convex_turned_box(std::move(corners));
 }
 
 }  // namespace
