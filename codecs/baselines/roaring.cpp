@@ -20,10 +20,10 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-struct Free {
+struct FreeBitmap {
   void operator()(roaring_bitmap_t* bitmap) const { roaring_bitmap_free(bitmap); }
 };
-using Bitmap = std::unique_ptr<roaring_bitmap_t, Free>;
+using Bitmap = std::unique_ptr<roaring_bitmap_t, FreeBitmap>;
 
 // A container holds 2^16 columns, in one of three forms.
 constexpr std::uint32_t largest_array = 4096;

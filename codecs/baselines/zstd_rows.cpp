@@ -28,14 +28,14 @@ std::size_t done(std::size_t result) {
   return result;
 }
 
-struct Free {
+struct FreeZstd {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
   void operator()(ZSTD_CDict* dictionary) const { ZSTD_freeCDict(dictionary); }
   void operator()(ZSTD_DDict* dictionary) const { ZSTD_freeDDict(dictionary); }
 };
 template <typename T>
-using Owned = std::unique_ptr<T, Free>;
+using Owned = std::unique_ptr<T, FreeZstd>;
 template <typename T>
 Owned<T> owned(T* made) {
   if (made == nullptr) throw std::bad_alloc();

@@ -340,7 +340,7 @@ constexpr Codec context_method() {
   return codec;
 }
 
-constexpr std::array table = {
+constexpr std::array gotsman_table = {
     method<WholeSets>("gotsman1", "both children's objects", Origin::paper),
     method<RelativeToParent>("gotsman2", "both children's objects, of the node's", Origin::paper),
     method<RelativeToSibling>(
@@ -351,7 +351,7 @@ constexpr std::array table = {
 }  // namespace
 
 std::span<const Codec> gotsman_codecs() {
-  return table;
+  return gotsman_table;
 }
 
 }  // namespace vismat

@@ -356,7 +356,7 @@ constexpr Codec method(std::string_view name, std::string_view contents, bool ro
   return codec;
 }
 
-constexpr std::array table = {
+constexpr std::array zach_table = {
     method<PlainBits>("zach0", "children's bits in the parent's cells"),
     method<AllIntersected>("zach1", "intersection of all children, bits outside it"),
     method<SomeIntersected>("zach2", "intersection of a chosen subset, subset masks, bits outside it"),
@@ -371,7 +371,7 @@ constexpr std::array table = {
 }  // namespace
 
 std::span<const Codec> zach_codecs() {
-  return table;
+  return zach_table;
 }
 
 }  // namespace vismat

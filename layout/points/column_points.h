@@ -37,6 +37,9 @@ class ColumnPoints {
   std::vector<std::uint32_t> ones_;
 };
 
+/// In lists of points and distances: no point there, or one too far to tell.
+inline constexpr std::uint32_t no_point = 0xffffffff;
+
 /// The k nearest other points of each point, nearest first, ties by number; the zero point is a point like any other.
 struct NeighbourLists {
   std::uint32_t per_point = 0;

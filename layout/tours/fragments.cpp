@@ -3,26 +3,22 @@
 #include <algorithm>
 
 namespace vismat {
-namespace {
-
-constexpr std::uint32_t none = 0xffffffff;
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<Edge> edges_of(const NeighbourLists& lists) {
   std::vector<Edge> edges;
   edges.reserve(lists.ids.size());
   for (std::size_t i = 0; i < lists.ids.size(); ++i) {
     const auto p = static_cast<std::uint32_t>(i / lists.per_point), q = lists.ids[i];
-    if (lists.distances[i] != none) edges.push_back({lists.distances[i], std::min(p, q), std::max(p, q)});
+    if (lists.distances[i] != no_point) edges.push_back({lists.distances[i], std::min(p, q), std::max(p, q)});
   }
   return edges;
 }
 
-Fragments::Fragments(std::uint32_t size) : components_(size), links_(size, {none, none}) {}
+Fragments::Fragments(std::uint32_t size) : components_(size), links_(size, {no_point, no_point}) {}
 
 bool Fragments::is_end(std::uint32_t p) const {
-  return links_[p][1] == none;
+  return links_[p][1] == no_point;
 }
 
 void Fragments::join_shortest_first(std::vector<Edge>& edges) {
@@ -30,8 +26,8 @@ void Fragments::join_shortest_first(std::vector<Edge>& edges) {
   for (const Edge& e : edges) {
     if (!is_end(e.a) || !is_end(e.b) || same(e.a, e.b)) continue;
     components_.join(components_.find(e.a), components_.find(e.b));
-    links_[e.a][links_[e.a][0] != none] = e.b;
-    links_[e.b][links_[e.b][0] != none] = e.a;
+    links_[e.a][links_[e.a][0] != no_point] = e.b;
+    links_[e.b][links_[e.b][0] != no_point] = e.a;
   }
 }
 
@@ -46,7 +42,7 @@ std::vector<std::uint32_t> Fragments::ends() const {
 std::vector<std::uint32_t> Fragments::walk() const {
   std::vector<std::uint32_t> way;
   way.reserve(links_.size());
-  for (std::uint32_t at = ends().front(), from = none; at != none;) {
+  for (std::uint32_t at = ends().front(), from = no_point; at != no_point;) {
     way.push_back(at);
     const std::uint32_t to = links_[at][0] != from ? links_[at][0] : links_[at][1];
     from = at;

@@ -21,7 +21,6 @@
 namespace vismat {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffff;
 constexpr std::uint32_t most_samples = 65535;  // a sampled column's number within its block has 16 bits
 
 // `count` different columns, ascending.
@@ -66,11 +65,11 @@ struct SampledLists {
 SampledLists sampled_neighbours(const SparsePoints& points, const SampledTourOptions& options,
                                 std::uint32_t samples, unsigned threads) {
   const std::uint32_t count = points.size(), k = std::min(options.neighbours, samples);
-  SampledLists lists{k, std::vector<std::uint32_t>(std::size_t{count} * k, none), {}};
+  SampledLists lists{k, std::vector<std::uint32_t>(std::size_t{count} * k, no_point), {}};
   const std::uint32_t few = lists.nearest.per_point =
       options.flip_edges ? std::min(k, options.flip_neighbours) : 0;
-  lists.nearest.ids.assign(std::size_t{count} * few, none);
-  lists.nearest.distances.assign(std::size_t{count} * few, none);
+  lists.nearest.ids.assign(std::size_t{count} * few, no_point);
+  lists.nearest.distances.assign(std::size_t{count} * few, no_point);
   const std::uint32_t block = std::max(16u, samples / 8);
   const auto list_block = [&](std::uint64_t b) {
     const auto sample = sample_of(count, samples, Random(options.seed, b));
@@ -114,7 +113,7 @@ std::vector<std::uint32_t> walk(std::uint32_t count, const SampledLists& lists) 
     visited[at] = true;
     const auto begin = lists.ids.begin() + static_cast<std::ptrdiff_t>(std::size_t{at} * lists.per_point);
     const auto end = begin + lists.per_point;
-    const auto free = std::find_if(begin, end, [&](std::uint32_t p) { return p != none && !visited[p]; });
+    const auto free = std::find_if(begin, end, [&](std::uint32_t p) { return p != no_point && !visited[p]; });
     while (first_free < count && visited[first_free]) ++first_free;
     at = free != end ? *free : first_free;
   }

@@ -21,7 +21,6 @@
 namespace vismat {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffff;
 constexpr std::uint32_t largest_window = 5000;  // points; from 1000 to 25000 the runs differ by .1 %
 
 class SketchedDistances {
@@ -86,14 +85,14 @@ void kick_window(const SparsePoints& points, const ColumnSketches& sketches, con
   const auto count = static_cast<std::uint32_t>(window.size());
   if (count < 8) return;
   NeighbourLists within{
-      lists.per_point, std::vector<std::uint32_t>(std::size_t{count} * lists.per_point, none), {}};
+      lists.per_point, std::vector<std::uint32_t>(std::size_t{count} * lists.per_point, no_point), {}};
   within.distances = within.ids;
   for (std::uint32_t i = 0; i < count; ++i) {
     if (window[i] == points.zero()) continue;
     std::size_t to = std::size_t{i} * lists.per_point;
     for (std::uint32_t n = 0; n < lists.per_point; ++n) {
       const std::size_t from = std::size_t{window[i]} * lists.per_point + n;
-      if (lists.distances[from] == none || place[lists.ids[from]] - first >= count) continue;
+      if (lists.distances[from] == no_point || place[lists.ids[from]] - first >= count) continue;
       within.ids[to] = place[lists.ids[from]] - first;
       within.distances[to++] = lists.distances[from];
     }

@@ -39,10 +39,6 @@
 namespace vismat {
 namespace {
 
-[[noreturn]] void fail(const std::string& where, const std::string& what) {
-  throw FormatError(where + ": " + what);
-}
-
 // Both ways over the socket: a head, then `bytes` of body. A question's body is object, NUL, attribute; an
 // answer is any number of `data` frames and one `done` or `error`.
 enum class Kind : std::uint32_t {
@@ -214,16 +210,16 @@ struct Hdf5File::Handle {
     }
     child = -1;
     if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU)) {
-      fail(where, "is damaged: the HDF5 library takes too long to read it");
+      refuse(where, "is damaged: the HDF5 library takes too long to read it");
     }
-    fail(where, "is damaged so badly that the HDF5 library cannot read it");
+    refuse(where, "is damaged so badly that the HDF5 library cannot read it");
   }
 
   // Calls on_data for each data frame of the answer, which it must receive itself: `bytes` of them.
   void ask(Kind kind, Hdf5Number number, const std::string& object, const std::string& attribute,
            const std::function<bool(std::uint64_t bytes)>& on_data) {
-    if (socket < 0) fail(object, "cannot be read from a file that is being written");
-    if (child < 0) fail(object, "cannot be read: the file is damaged");
+    if (socket < 0) refuse(object, "cannot be read from a file that is being written");
+    if (child < 0) refuse(object, "cannot be read: the file is damaged");
     const std::string body = object + '\0' + attribute;
     if (!send_frame(socket, kind, number, body.data(), body.size())) fail_dead(object);
     for (;;) {
@@ -363,7 +359,7 @@ hid_t file_type() {
 }
 
 hid_t need(hid_t id, const std::string& name) {
-  if (id < 0) fail(name, "cannot be written");
+  if (id < 0) refuse(name, "cannot be written");
   return id;
 }
 
@@ -401,7 +397,7 @@ void Hdf5File::write(const std::string& name, std::span<const Number> values,
       name);
   if (!values.empty() &&
       H5Dwrite(dataset, file_type<Number>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
-    fail(name, "cannot be written; is the disk full?");
+    refuse(name, "cannot be written; is the disk full?");
   }
 }
 template void Hdf5File::write(const std::string&, std::span<const std::uint8_t>, std::vector<std::uint64_t>);
@@ -418,7 +414,7 @@ void write_single(hid_t file, const std::string& object, const std::string& name
   const Hdf5Space space = need(H5Screate(H5S_SCALAR), where);
   const Hdf5Attribute attribute =
       need(H5Acreate2(holder, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), where);
-  if (H5Awrite(attribute, type, value) < 0) fail(where, "cannot be written");
+  if (H5Awrite(attribute, type, value) < 0) refuse(where, "cannot be written");
 }
 
 }  // namespace

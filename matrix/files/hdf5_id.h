@@ -1,10 +1,18 @@
-// Owns identifiers of the HDF5 library and closes them. Private to matrix/files/.
+// Owns identifiers of the HDF5 library and closes them, and refuses what it cannot read. Private to matrix/files/.
 #pragma once
 #include <hdf5.h>
 
+#include <string>
 #include <utility>
 
+#include "matrix/base/byte_reader.h"
+
 namespace vismat {
+
+/// `where` is a path inside the file.
+[[noreturn]] inline void refuse(const std::string& where, const std::string& what) {
+  throw FormatError(where + ": " + what);
+}
 
 /// Closes what it holds; negative where the library refused.
 template <herr_t (*close)(hid_t)>

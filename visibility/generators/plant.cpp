@@ -22,8 +22,8 @@ namespace {
 
 constexpr float spacing = 0.8f;  // of nodes
 constexpr int aisle = 3;         // nodes wide
-constexpr float storey = 4 * spacing;
-const glm::vec3 up(0, 0, 1);
+constexpr float plant_storey = 4 * spacing;
+const glm::vec3 upward(0, 0, 1);
 
 void check(const PlantOptions& o) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("plant: " + what); };
@@ -89,8 +89,8 @@ class Plant {
   void keep_aisles_free(std::uint32_t bay) {
     const auto at = [&](std::uint32_t i) { return static_cast<float>(int(i) * bay_) * spacing; };
     const float x = at(bay % o_.size), y = at(bay / o_.size), length = at(1) + aisle * spacing;
-    reserve({{x, y, 0}, {x + length, y + aisle * spacing, storey}});
-    reserve({{x, y, 0}, {x + aisle * spacing, y + length, storey}});
+    reserve({{x, y, 0}, {x + length, y + aisle * spacing, plant_storey}});
+    reserve({{x, y, 0}, {x + aisle * spacing, y + length, plant_storey}});
   }
   void finish_object(const Box& bounds) {
     reserve(bounds);
@@ -105,7 +105,7 @@ class Plant {
       const float angle = static_cast<float>(k) * 0.2618f;
       profile.push_back({wall + dome * std::sin(angle), radius * std::cos(angle)});
     }
-    add_turned(scene_, {middle, 0}, up, 0, profile, wall + dome, 40);
+    add_turned(scene_, {middle, 0}, upward, 0, profile, wall + dome, 40);
     finish_object(
         {{middle.x - radius, middle.y - radius, 0}, {middle.x + radius, middle.y + radius, wall + dome}});
   }
@@ -187,7 +187,7 @@ class Plant {
 
   void add_stairs(const glm::vec3& foot) {
     constexpr int steps = 16;
-    constexpr float rise = storey / steps, tread = 0.28f, width = 0.9f;
+    constexpr float rise = plant_storey / steps, tread = 0.28f, width = 0.9f;
     std::array<std::vector<float>, 3> cuts;
     cuts[1] = {foot.y, foot.y + width};
     for (int i = 0; i <= steps; ++i) {
@@ -199,23 +199,24 @@ class Plant {
       for (int k = std::max(0, i - 1); k <= i; ++k) stairs.set_cell({i, 0, k}, true);
     }
     stairs.add_to(scene_);
-    finish_object({{foot.x, foot.y, foot.z}, {foot.x + tread * steps, foot.y + width, foot.z + storey}});
+    finish_object(
+        {{foot.x, foot.y, foot.z}, {foot.x + tread * steps, foot.y + width, foot.z + plant_storey}});
   }
 
   /// Columns three by three, beams between them at each storey, panels of grating on these.
   void add_frame(Random& random, const glm::vec2& low, float side) {
     constexpr float thick = 0.3f, plate = 0.04f;
-    const int storeys = std::max(1, static_cast<int>(o_.height / storey + 1e-3f));
+    const int storeys = std::max(1, static_cast<int>(o_.height / plant_storey + 1e-3f));
     const float span = (side - thick) / 2;
     const auto line = [&](unsigned axis, int i) {
       return low[static_cast<int>(axis)] + span * static_cast<float>(i);
     };
     for (int i = 0; i < 9; ++i) {
       const float x = line(0, i % 3), y = line(1, i / 3);
-      add_beam({{x, y, 0}, {x + thick, y + thick, static_cast<float>(storeys) * storey}}, 2);
+      add_beam({{x, y, 0}, {x + thick, y + thick, static_cast<float>(storeys) * plant_storey}}, 2);
     }
     for (int floor = 1; floor <= storeys; ++floor) {
-      const float z = static_cast<float>(floor) * storey;
+      const float z = static_cast<float>(floor) * plant_storey;
       for (unsigned axis = 0; axis < 2; ++axis) {
         for (int i = 0; i < 6; ++i) {
           Box b;
@@ -229,7 +230,7 @@ class Plant {
         }
       }
       const bool stairs = span - thick >= 4.6f;
-      if (stairs) add_stairs({line(0, 0) + thick, line(1, 0) + thick + 0.2f, z - storey});
+      if (stairs) add_stairs({line(0, 0) + thick, line(1, 0) + thick + 0.2f, z - plant_storey});
       const float panel = (span - thick) / 3;
       for (int i = 0; i < 36; ++i) {
         const int square = i / 9, column = i % 3, row = i % 9 / 3;
@@ -242,7 +243,7 @@ class Plant {
           const glm::vec3 base(x + panel / 2, y + panel / 2, z + plate);
           const std::array<Turn, 4> drum = {
               {{0, radius * 0.9f}, {0.1f, radius}, {high - 0.1f, radius}, {high, radius * 0.7f}}};
-          add_turned(scene_, base, up, 0, drum, high, 16);
+          add_turned(scene_, base, upward, 0, drum, high, 16);
           finish_object({{base.x - radius, base.y - radius, base.z},
                          {base.x + radius, base.y + radius, base.z + high}});
         }

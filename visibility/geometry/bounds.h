@@ -31,6 +31,13 @@ inline Bounds bounds_of(const Box& box) {
   return {{box.low[0], box.low[1], box.low[2]}, {box.high[0], box.high[1], box.high[2]}};
 }
 
+/// The mean of the points, of which there is one at least.
+inline glm::dvec3 middle_of(std::span<const glm::dvec3> points) {
+  glm::dvec3 sum{};
+  for (const glm::dvec3& point : points) sum += point - points[0];
+  return points[0] + sum / static_cast<double>(points.size());
+}
+
 /// The greatest absolute value of the coordinates.
 inline double largest_coordinate(const glm::dvec3& point) {
   const glm::dvec3 size = glm::abs(point);

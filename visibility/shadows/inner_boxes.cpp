@@ -22,7 +22,7 @@ constexpr std::size_t planes_an_axis = 12;  // 37 grid lines at most: 2 * 10^6 s
 constexpr int equal_steps = 12;
 constexpr double least_gain = 0.02;  // of the first box's
 
-struct Plane {
+struct SquaresPlane {
   double low, high, area;
 };
 
@@ -44,11 +44,12 @@ struct Grid {
 
 using Range = std::array<std::array<std::size_t, 2>, 3>;  // of grid lines, an axis each
 
-std::vector<double> grid_lines(std::vector<Plane> squares, double low, double high, bool all_square,
+std::vector<double> grid_lines(std::vector<SquaresPlane> squares, double low, double high, bool all_square,
                                double tolerance) {
-  std::sort(squares.begin(), squares.end(), [](const Plane& a, const Plane& b) { return a.low < b.low; });
-  std::vector<Plane> planes;
-  for (const Plane& square : squares) {
+  std::sort(squares.begin(), squares.end(),
+            [](const SquaresPlane& a, const SquaresPlane& b) { return a.low < b.low; });
+  std::vector<SquaresPlane> planes;
+  for (const SquaresPlane& square : squares) {
     if (!planes.empty() && square.high - planes.back().low <= 4 * tolerance &&
         square.low - planes.back().high <= tolerance) {
       planes.back().high = std::max(planes.back().high, square.high);
@@ -60,11 +61,11 @@ std::vector<double> grid_lines(std::vector<Plane> squares, double low, double hi
   const bool too_many = planes.size() > planes_an_axis;
   if (too_many) {
     std::stable_sort(planes.begin(), planes.end(),
-                     [](const Plane& a, const Plane& b) { return a.area > b.area; });
+                     [](const SquaresPlane& a, const SquaresPlane& b) { return a.area > b.area; });
     planes.resize(planes_an_axis);
   }
   std::vector<double> lines = {low, high};
-  for (const Plane& plane : planes) lines.insert(lines.end(), {plane.low, plane.high});
+  for (const SquaresPlane& plane : planes) lines.insert(lines.end(), {plane.low, plane.high});
   if (too_many || !all_square) {
     for (int i = 1; i < equal_steps; ++i) lines.push_back(low + (high - low) * i / equal_steps);
   }
@@ -75,7 +76,7 @@ std::vector<double> grid_lines(std::vector<Plane> squares, double low, double hi
 
 Grid grid_of(const Mesh& mesh, double tolerance) {
   Bounds whole;
-  std::array<std::vector<Plane>, 3> squares;
+  std::array<std::vector<SquaresPlane>, 3> squares;
   double area = 0, square_area = 0;
   for (const std::array<std::uint32_t, 3>& t : mesh.triangles) {
     const glm::dvec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];

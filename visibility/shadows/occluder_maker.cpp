@@ -80,12 +80,6 @@ double fitting_factor(std::span<const HalfSpace> sides, const dvec3& centre, std
   return least < 1 - 1e-13 ? least * (1 - 1e-10) : 1;
 }
 
-dvec3 middle_of(std::span<const dvec3> points) {
-  dvec3 sum{};
-  for (const dvec3& p : points) sum += p - points[0];
-  return points[0] + sum / static_cast<double>(points.size());
-}
-
 void scale_about(std::vector<dvec3>& points, const dvec3& centre, double factor) {
   for (dvec3& p : points) p = centre + factor * (p - centre);
 }

@@ -61,8 +61,6 @@ double fitting_factor(std::span<const HalfSpace> sides, const glm::dvec3& centre
                       std::span<const glm::dvec3> vertices,
                       std::span<const std::array<std::uint32_t, 3>> simplices);
 
-/// The mean of the points.
-glm::dvec3 middle_of(std::span<const glm::dvec3> points);
 /// Scales the points about the centre.
 void scale_about(std::vector<glm::dvec3>& points, const glm::dvec3& centre, double factor);
 

@@ -16,6 +16,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "visibility/geometry/bounds.h"
 namespace vismat {
 namespace {
 
@@ -52,12 +53,6 @@ double solid_angle(const dvec3& a, const dvec3& b, const dvec3& c) {
   return 2 *
          std::abs(std::atan2(glm::dot(a, glm::cross(b, c)),
                              la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb));
-}
-
-dvec3 middle_of(std::span<const dvec3> points) {
-  dvec3 sum{};
-  for (const dvec3& point : points) sum += point - points[0];
-  return points[0] + sum / static_cast<double>(points.size());
 }
 
 dvec3 mix(const Convex& cell, const double* weights) {
