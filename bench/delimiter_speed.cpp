@@ -228,8 +228,9 @@ void run() {
 void add_delimiter_speed(const Verb& verb) {
   verb.note(
       "Other arguments are Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
+  verb.example("bench delimiter-speed --benchmark_repetitions=9");
   verb.runs_with_rest([](const std::vector<std::string>& arguments) {
-    start_google_benchmark(arguments, 0, "bench delimiter-speed");
+    start_google_benchmark(arguments, "bench delimiter-speed");
     run();
   });
 }

@@ -1,9 +1,9 @@
 // Counts the disk reads of a viewer who walks through a level, by the order that its faces have on the disk [Chhugani et al. 2005,
-// 6.1 and Fig. 12].
+// section 6.1 and Fig. 12].
 //
-// The walk is runtime/level_walk.h's. In each cell the faces seen and not in memory are fetched. A face takes the bytes of
-// its vertices and indices as a renderer loads them: 44 a vertex (the level's own record: place, two pairs of texture
-// coordinates, normal, colour), 4 an index, curved faces as the triangles they are drawn with.
+// The walk is runtime/level_walk.h's. In each view cell the faces that are seen and not in memory are read. A face takes the bytes of
+// its vertices and indices as a renderer loads them: 44 for each vertex (the level's own record: place, two pairs of texture
+// coordinates, normal, colour), 4 for each index, curved faces as the triangles they are drawn with.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -130,16 +130,18 @@ void run(const Options& options, const std::string& where, std::string& csv) {
 
 void add_disk_walk(const Verb& verb) {
   const auto o = std::make_shared<Options>();
-  verb.option("LEVEL", o->levels, "FILE.bsp or FILE.pk3:maps/NAME.bsp").required();
-  verb.option("--layout", o->layouts, "Orders, as vismat order names them");
-  verb.option("--page", o->pages, "Bytes");
-  verb.option("--ahead", o->ahead, "Unwanted pages that a read goes on over");
-  verb.option("--steps", o->steps, "From cell to cell");
-  verb.option("--cache", o->cache, "Memory, as a share of all faces' bytes").between(0., 1.);
-  verb.option("--detail", o->detail, "Bytes of a face times this: a level of finer meshes").positive();
-  verb.flag("--whole-sets", o->whole_sets, "Order by what cells see, not by what appears between them");
-  verb.option("--seed", o->seed, "Of the walk and of orders");
-  verb.option("--csv", o->csv, "Written beside the table");
+  verb.option("LEVEL", o->levels, "Quake 3 levels, FILE.bsp or FILE.pk3:maps/NAME.bsp").required();
+  verb.option("--layout", o->layouts, "Orders of the faces on the disk, named as in 'vismat order'");
+  verb.option("--page", o->pages, "Bytes of a page of the disk");
+  verb.option("--ahead", o->ahead, "Number of unwanted pages that one read may continue over (read-ahead)");
+  verb.option("--steps", o->steps, "Number of steps from view cell to view cell");
+  verb.option("--cache", o->cache, "Memory for faces, as a share of the bytes of all faces").between(0., 1.);
+  verb.option("--detail", o->detail, "Factor on the bytes of each face, as if meshes were finer").positive();
+  verb.flag("--whole-sets", o->whole_sets,
+            "Make the orders from what view cells see, not from what appears between them");
+  verb.option("--seed", o->seed, "Seed of the walk and of the orders");
+  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.example("bench disk-walk oa_koth1.bsp --layout random best --page 4096 --csv walk.csv");
   verb.runs([o] {
     std::string csv =
         "matrix,layout,page_bytes,read_ahead_pages,steps,reads,bytes_read,bytes_wanted,total_bytes,cache_"

@@ -1,10 +1,10 @@
 // Measures how many points lie near a random point, by the number of points and by the distance: Fig. 6 of Chhugani et al. 2005.
 //
 // Points are distinct columns: a column that has an equal one would have its nearest neighbour at distance 0,
-// and twice that holds its equals alone. The share of columns that have an equal one is told beside. Writes
+// and only its equals would lie within twice that distance. Prints the share of columns that have an equal one too. Writes
 // FOLDER/distance_density.csv (a: the share of other points within twice the nearest one's distance, in random
 // subsets of growing size; in the whole set it is the paper's alpha) and FOLDER/distance_radius.csv (b: the
-// share within multiples of the nearest one's distance, whole set). Means over random points.
+// share within multiples of the nearest one's distance, in the whole set). Both are means over random points.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -138,11 +138,14 @@ void run(const Options& options) {
 void add_distance_statistics(const Verb& verb) {
   const auto o = std::make_shared<Options>();
   verb.option("--out", o->out, "Folder for the two tables");
-  verb.option("--scale", o->scale, "Synthetic scenes too, at this share of the paper's size")
+  verb.option("--scale", o->scale, "Also the synthetic matrices, at this share of the paper's size; 0: none")
       .between(1e-4, 1.);
-  verb.option("--trials", o->trials, "Random points a mean is over").between(1u, 1'000'000u);
-  verb.option("--seed", o->seed, "Of the random points");
+  verb.option("--trials", o->trials, "Number of random points over which each mean is taken")
+      .between(1u, 1'000'000u);
+  verb.option("--seed", o->seed, "Seed of the random points");
   verb.option("MATRIX", o->files, "Matrix files");
+  verb.note("A point is a column; equal columns count once.");
+  verb.example("bench distance-statistics koth1.bsp.h5 --out out");
   verb.runs([o] { run(*o); });
 }
 

@@ -1,7 +1,7 @@
-// Measures recall and time of FLANN's Hamming indices against dimension and density, beside a scan of all columns.
+// Measures recall and time of FLANN's Hamming indexes against dimension and density, beside a scan of all columns.
 //
-// Columns: planted clusters of 25 on average; each column is its cluster's centre, of the given density, with every
-// tenth one moved to another row; equal columns collapsed, so that sparse ones in few rows are less than asked for.
+// The columns are planted in groups of 25 on average. Each column is its group's centre, a random column of the given density,
+// with every tenth one moved to another row. Equal columns count once, so sparse columns in few rows are fewer than asked for.
 // Recall: of the k found, the share that is no farther than the k-th nearest. Times are of one thread, in processor
 // seconds.
 #include <algorithm>
@@ -155,13 +155,15 @@ void run(const Options& options) {
 
 void add_flann_recall(const Verb& verb) {
   const auto o = std::make_shared<Options>();
-  verb.option("--rows", o->rows, "Of the matrices");
-  verb.option("--density", o->densities, "Shares of ones in a column").between(1e-6, .5);
-  verb.option("--columns", o->columns, "Before equal ones are collapsed").between(100u, 10'000'000u);
-  verb.option("-k,--neighbours", o->k, "Sought for each column").positive();
-  verb.option("--queries", o->queries, "Columns whose neighbours are sought").positive();
-  verb.option("--seed", o->seed, "Of the columns; FLANN has seeds of its own");
-  verb.option("--csv", o->csv, "Written beside the table");
+  verb.option("--rows", o->rows, "Numbers of rows of the matrices");
+  verb.option("--density", o->densities, "Shares of ones in each column").between(1e-6, .5);
+  verb.option("--columns", o->columns, "Number of columns, before equal ones are collapsed")
+      .between(100u, 10'000'000u);
+  verb.option("-k,--neighbours", o->k, "Number of neighbours sought for each column").positive();
+  verb.option("--queries", o->queries, "Number of columns whose neighbours are sought").positive();
+  verb.option("--seed", o->seed, "Seed of the columns; FLANN has seeds of its own");
+  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.example("bench flann-recall --rows 1024 --density 0.01 0.05 --csv flann.csv");
   verb.runs([o] { run(*o); });
 }
 

@@ -1,13 +1,11 @@
-// Verbs that Google Benchmark times: the rest of their command line is its own, but for what it leaves.
+// Starts Google Benchmark for the verbs that it times, with the part of their command line that is its own.
 #pragma once
 #include <string>
 #include <vector>
 
 namespace vismat::bench {
 
-/// Takes the options --benchmark_...=... and gives what is left. Throws std::invalid_argument, with `usage`, where more than
-/// `most` arguments are left or one that begins with '-'.
-std::vector<std::string> start_google_benchmark(std::vector<std::string> arguments, std::size_t most,
-                                                const std::string& usage);
+/// Takes the options --benchmark_...=.... Throws std::invalid_argument, with `usage`, if there are other arguments.
+void start_google_benchmark(std::vector<std::string> arguments, const std::string& usage);
 
 }  // namespace vismat::bench

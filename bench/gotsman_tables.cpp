@@ -1,8 +1,9 @@
 // Measures Gotsman's methods over trees of view cells, and ours under contexts, beside codecs that know no tree: bytes, and what a
 // row costs that is read alone. Every codec is checked by a round trip and every row of it against the matrix before it is timed.
 //
-// A line a matrix, order of columns, tree and codec. Trees: k-d over the cells' boxes, and by sets. A row is read by walking
-// down from the root; row_path_us is the median where what the row before shares of the way is kept, rows in the order of the tree.
+// Writes a line for each matrix, order of columns, tree and codec. Trees are made by the boxes of the view cells ("k-d") or by
+// similar sets ("by sets"). A row is read by walking down from the root. row_path_us is the median of reading all rows in the order
+// of the tree, where the part of the way that a row shares with the one before is not walked again.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -193,10 +194,12 @@ void run(const Options& options) {
 
 void add_gotsman_tables(const Verb& verb) {
   const auto o = std::make_shared<Options>();
-  verb.option("--csv", o->csv, "Where to write the table of commas");
-  verb.option("--orders", o->orders, "Of the columns").comma_separated().one_of({"natural", "best"});
-  verb.option("--seconds", o->seconds, "For each time: runs begin as long as this; the median counts");
+  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.option("--orders", o->orders, "Orders of the columns").comma_separated().one_of({"natural", "best"});
+  verb.option("--seconds", o->seconds,
+              "Seconds for each time: passes begin for this long, and their median counts");
   verb.option("MATRIX", o->files, "Matrix files").required();
+  verb.example("bench gotsman-tables koth1.bsp.h5 --orders best --csv gotsman.csv");
   verb.runs([o] { run(*o); });
 }
 

@@ -1,5 +1,5 @@
-// Measures how long importing every level takes: unpacked, parsed, both matrices made, a bounding-volume tree over each and the file
-// written, two levels at a time. Verified first: oa_koth1 must have its known sizes.
+// Measures how long importing every level takes: unpacking, parsing, making both matrices and a tree of bounding boxes over each, and
+// writing the files, two levels at a time. Verified first: oa_koth1 must have its known sizes.
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
@@ -107,8 +107,9 @@ void add_import_levels(const Verb& verb) {
   verb.note("The levels are those under $VISMAT_CACHE, or cache/levels, as ./fetch-levels leaves them.");
   verb.note(
       "Other arguments are Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
+  verb.example("VISMAT_CACHE=levels bench import-levels");
   verb.runs_with_rest([](const std::vector<std::string>& arguments) {
-    start_google_benchmark(arguments, 0, "bench import-levels");
+    start_google_benchmark(arguments, "bench import-levels");
     run();
   });
 }

@@ -1,8 +1,8 @@
-// Measures where merging fails: seeds that differ, matrices that have nothing in common, dense rows, single cells that pay for all,
-// and trees whose nodes are merged as if they were objects.
+// Measures where merging fails: seeds that differ, matrices whose rows have nothing in common, dense rows, single view cells that
+// lose most, and trees whose nodes are merged as if they were objects.
 //
-// Every merge is compared with its original row by row, every coded matrix read again. Bytes are by zach3-range over nodes and
-// by pair-ans over objects, names of rows and columns apart, as `bench lossy-tables` has them.
+// Every merge is compared with its source row by row, and every coded matrix is read again. Bytes are those of zach3-range over nodes
+// and of pair-ans over objects, without the maps of rows and columns, as in `bench lossy-tables`.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -355,10 +355,12 @@ void run(const Options& options) {
 void add_lossy_failures(const Verb& verb) {
   const auto o = std::make_shared<Options>();
   verb.option("--out", o->out, "Folder for the tables");
-  verb.option("--lost", o->lost, "Occlusions that may be lost, as a share").between(0., .25);
-  verb.option("--seeds", o->seeds, "That the method is tried with").between(1u, 1000u);
-  verb.option("--size", o->size, "Rows and columns of random matrices").between(10u, 100'000u);
+  verb.option("--lost", o->lost, "Share of the occlusions that merging may lose").between(0., .25);
+  verb.option("--seeds", o->seeds, "Number of seeds that the paper's method is run with").between(1u, 1000u);
+  verb.option("--size", o->size, "Number of rows, and of columns, of the random matrices")
+      .between(10u, 100'000u);
   verb.option("MATRIX", o->files, "Matrix files");
+  verb.example("bench lossy-failures --out out koth1.bsp.h5");
   verb.runs([o] { run(*o); });
 }
 

@@ -24,7 +24,7 @@ struct Merge {
   Dataset data;  // as merged and then ordered
   Loss loss;     // nothing missing
   double merge_s = 0, order_s = 0;
-  std::uint64_t names_bytes = 0;  // to say which row and column stands for each of the source's
+  std::uint64_t names_bytes = 0;  // maps: which row and column stands for each of the source's
 
   /// What a cell loses of its own zeros, of the cell that loses more than `share` of all cells.
   double lost_at(double share) const;
@@ -35,9 +35,9 @@ Loss proven(Loss loss);
 
 enum class Ordered { no, yes };
 
-/// The original as it is, ordered alone. Nodes: rows in the greedy order, as Zach & Karner 2003 have it. Else rows and columns in
-/// the best order. Names: the groups as a .vmat file has them, which tell of the order too; of a side that is not merged
-/// log2 n! bits.
+/// The source without loss, put in order: over nodes the rows in the greedy order of Zach & Karner 2003, else rows and columns in
+/// the best order. The maps take the bytes that the groups of a merged side, which include its order, take in a .vmat file, and
+/// log2 n! bits for the order of any other side.
 Merge without_merge(const Dataset& original, Ordered ordered = Ordered::yes);
 
 /// Merged, and then ordered as without_merge does.
@@ -50,10 +50,10 @@ struct Code {
   double average_run = 0;  // of codecs that code lengths over a tree; otherwise 0
 };
 
-/// Written as a .vmat file, read again and compared with the original, row by row.
+/// Written as a .vmat file, read again and compared with the source, row by row.
 Code code_of(const Codec& codec, const Merge& merge, const VisibilityMatrix& original);
 
-/// Those of the names that there are here: programs may be missing.
+/// Those of the named codecs that this machine has: programs may be missing.
 std::vector<Codec> codecs_here(const std::vector<std::string>& names);
 
 /// "cells", "objects" or "both".

@@ -3,7 +3,7 @@
 //
 // Matrices over nodes of a tree: the methods of Zach & Karner 2003 after their greedy order of the merged view cells, their Table 3.
 // Others: row codecs and whole-file compressors after the best order of both sides. Each coded matrix is read again and compared
-// with the original row by row: nothing visible may be missing. Seconds are of one run.
+// with the source row by row: nothing visible may be missing. Seconds are of one run.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -108,18 +108,23 @@ void run(const Options& options) {
 void add_lossy_tables(const Verb& verb) {
   const auto o = std::make_shared<Options>();
   verb.option("MATRIX", o->files, "Matrix files").required();
-  verb.option("--csv", o->csv, "Written beside the tables");
-  verb.flag("--append", o->append, "Add to that file");
-  verb.option("--lost", o->lost, "Occlusions that may be lost, as shares").comma_separated().between(0., 1.);
-  verb.option("--methods", o->methods, "Of merging").comma_separated();
-  verb.option("--sides", o->sides, "What is merged; columns that are nodes never are")
+  verb.option("--csv", o->csv, "File for the tables as CSV");
+  verb.flag("--append", o->append, "Add to that file instead of replacing it");
+  verb.option("--lost", o->lost, "Shares of the occlusions that merging may lose")
+      .comma_separated()
+      .between(0., 1.);
+  verb.option("--methods", o->methods, "Methods of merging: pairs (ours), seeds (of the paper)")
+      .comma_separated();
+  verb.option("--sides", o->sides, "Which sides are merged; columns that are nodes never are")
       .comma_separated()
       .one_of({"cells", "objects", "both"});
-  verb.option("--node-codecs", o->node_codecs, "For columns that are nodes").comma_separated();
-  verb.option("--codecs", o->codecs, "For columns that are objects").comma_separated();
-  verb.option("--max-per-cell", o->max_per_cell, "What one view cell may lose of its own, as a share")
+  verb.option("--node-codecs", o->node_codecs, "Codecs for matrices whose columns are nodes")
+      .comma_separated();
+  verb.option("--codecs", o->codecs, "Codecs for matrices whose columns are objects").comma_separated();
+  verb.option("--max-per-cell", o->max_per_cell, "Share of its own occlusions that one view cell may lose")
       .between(0., 1.);
-  verb.flag("--no-lossless", o->no_lossless, "Without the lines of the original as it is");
+  verb.flag("--no-lossless", o->no_lossless, "Leave out the lines of the source without loss");
+  verb.example("bench lossy-tables koth1.bsp.h5 --lost 0,0.05 --csv curves.csv");
   verb.runs([o] { run(*o); });
 }
 

@@ -1,4 +1,4 @@
-// bench: one program, a file a verb. It reproduces the papers' tables and measures what they do not tell.
+// bench: one program with a source file for each verb. It reproduces the papers' tables and measures what they do not tell.
 #include "bench/verbs.h"
 
 namespace {
@@ -11,14 +11,15 @@ struct Entry {
 };
 
 constexpr Entry entries[] = {
-    {"Orders", "orders", "Every order of the table on any matrices, each in a process of its own",
+    {"Orders", "orders", "Every method of 'vismat order' on given matrices: runs, bound, seconds, memory",
      add_orders},
-    {"Orders", "order-scale", "Orders at the papers' scale: cost against size", add_order_scale},
-    {"Orders", "order-failures", "Where orders fail: on matrices made to hurt, and on given ones",
+    {"Orders", "order-scale", "Orders at the papers' scale: runs, seconds and memory against size",
+     add_order_scale},
+    {"Orders", "order-failures", "Where orders fail: on adversarial matrices and on given ones",
      add_order_failures},
-    {"Orders", "distance-statistics", "Chhugani et al. 2005, Fig. 6: the share of points near a random point",
-     add_distance_statistics},
-    {"Orders", "flann-recall", "Recall and time of FLANN's indices on columns of planted clusters",
+    {"Orders", "distance-statistics",
+     "Chhugani et al. 2005, Fig. 6: the share of columns near a random column", add_distance_statistics},
+    {"Orders", "flann-recall", "Recall and time of FLANN's indexes on columns in planted groups",
      add_flann_recall},
     {"Codecs", "zach-tables", "Zach & Karner 2003, Tables 1 and 2, for any matrices over a tree",
      add_zach_tables},
@@ -27,26 +28,28 @@ constexpr Entry entries[] = {
      add_vlod_tables},
     {"Codecs", "panne-search", "Van de Panne and Stewart's search for clusters: bytes against seconds",
      add_panne_search},
-    {"Codecs", "lossy-tables", "Bytes against extra visible entries: merged cells and objects, coded",
+    {"Codecs", "lossy-tables", "Bytes against extra visible entries: merged view cells and objects, coded",
      add_lossy_tables},
-    {"Codecs", "lossy-failures", "Where merging fails: on matrices made to hurt, and on given ones",
+    {"Codecs", "lossy-failures", "Where merging fails: on adversarial matrices and on given ones",
      add_lossy_failures},
-    {"Codecs", "row-failures", "Rows that are worst for a code", add_row_failures},
-    {"Codecs", "row-speed", "Single rows out of a .vmat file", add_row_speed},
-    {"Codecs", "delimiter-speed", "The delimiter code's decoder and encoder", add_delimiter_speed},
-    {"Codecs", "speed", "Every codec and order on one matrix", add_speed},
-    {"Walks", "disk-walk", "Disk reads on a walk through levels, by the order of their faces on the disk",
+    {"Codecs", "row-failures", "Worst-case rows: bytes and decoding time by each codec", add_row_failures},
+    {"Codecs", "row-speed", "Speed of reading single rows from a .vmat file", add_row_speed},
+    {"Codecs", "delimiter-speed", "Speed of the delimiter code's decoder and encoder", add_delimiter_speed},
+    {"Codecs", "speed", "Speed of every codec and order on one matrix", add_speed},
+    {"Walks", "disk-walk", "Disk reads on a walk through levels, by the order of the faces on the disk",
      add_disk_walk},
-    {"Walks", "walk-deltas", "What changes at each boundary on a walk, and its bytes by each codec of rows",
-     add_walk_deltas},
+    {"Walks", "walk-deltas",
+     "Bytes of the differences that a walk crosses, by each codec that reads single rows", add_walk_deltas},
     {"Visibility", "visibility-tables", "Over-estimation and missed objects against time, for every producer",
      add_visibility_tables},
-    {"Visibility", "visibility-failures", "Where and why visibility from cells fails",
+    {"Visibility", "visibility-failures", "Where and why producers of visibility fail",
      add_visibility_failures},
     {"Visibility", "octree-tables", "The adaptive octree of view cells, level by level", add_octree_tables},
-    {"Visibility", "never-hidden", "Does any ray reach what is reported hidden?", add_never_hidden},
-    {"Visibility", "peer-pvs", "Do rays reach only what a level's own visibility table lists?", add_peer_pvs},
-    {"Visibility", "import-levels", "How long importing every level takes", add_import_levels},
+    {"Visibility", "never-hidden", "Casts rays at objects reported hidden; fails if one arrives",
+     add_never_hidden},
+    {"Visibility", "peer-pvs",
+     "Compares rays with a level's own visibility table, of the map compiler q3map2", add_peer_pvs},
+    {"Visibility", "import-levels", "Speed of importing every level", add_import_levels},
 };
 
 }  // namespace

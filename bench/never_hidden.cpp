@@ -1,8 +1,9 @@
 // Checks that no ray reaches an object that was reported hidden. Rays run from random points of view cells, half of them at objects
-// that are hidden from there, half anywhere; what they reach is looked up in what the shadow producer left. A ray of floats may slip
-// past an edge, so each that seems to reach a hidden object is checked again in rational arithmetic: a violation is one that
-// holds, and ends the program with 1; the others are counted as slips. Scenes: cities, their cells touching walls; soups; tilted
-// boxes, some cells in them, some flat, 1e5 m away too; a plant; levels that are named.
+// that are hidden from there, half in any direction. No object that they reach may be one that the shadow producer reported hidden. A
+// ray in floating point may slip past an edge, so each ray that seems to reach a hidden object is checked again in rational
+// arithmetic. If it does reach it, that is a violation, and the verb ends with exit code 1; if not, it is counted as a slip. Scenes:
+// cities whose view cells touch walls; triangle soups; tilted boxes, some around view cells, some flat, also 1e5 m away; a plant;
+// and the levels that are named.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -239,11 +240,13 @@ void run(const Options& options) {
 void add_never_hidden(const Verb& verb) {
   const auto o = std::make_shared<Options>();
   verb.option("LEVEL", o->levels,
-              "Quake-3 levels to take as well, FILE.pk3:maps/NAME.bsp; their clusters' boxes are the cells");
-  verb.option("--rays", o->rays, "Altogether");
-  verb.option("--cells", o->cells, "Of each scene, at most");
-  verb.option("--patches", o->patches, "Of a cell's boundary");
+              "Quake 3 levels to check as well, FILE.bsp or FILE.pk3:maps/NAME.bsp; their clusters' boxes "
+              "are the view cells");
+  verb.option("--rays", o->rays, "Number of rays in all");
+  verb.option("--cells", o->cells, "Largest number of view cells of each scene");
+  verb.option("--patches", o->patches, "Number of patches of a view cell's surface");
   verb.threads(o->threads);
+  verb.example("bench never-hidden --rays 1e7 oa_koth1.bsp");
   verb.runs([o] { run(*o); });
 }
 

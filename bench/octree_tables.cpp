@@ -1,8 +1,8 @@
-// Measures the adaptive octree of Chhugani et al. 2005, sections 3 and 8, on our scenes: cells of each level, how many of the
-// smallest would have to be smaller yet, and by how much they pass the threshold.
+// Measures the adaptive octree of Chhugani et al. 2005, sections 3 and 8, on our scenes: the view cells of each level of
+// the octree, how many of the smallest still see more triangles than the threshold, and how many times as many.
 //
-// A cell's triangles are those of its vLOD: objects that shadows of effort 0 do not hide, each in the level of detail and with the
-// faces that the cell allows.
+// The triangles of a view cell are those that must be drawn from it: of each object that shadows of effort 0 do not hide, in the
+// coarsest level of detail allowed there, without the groups of triangles that face away.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -88,11 +88,15 @@ void run(const Options& options) {
 
 void add_octree_tables(const Verb& verb) {
   const auto o = std::make_shared<Options>();
-  verb.option("SCENE", o->scenes, "As for visibility-tables; the dense city is a quarter of it").required();
-  verb.option("--share", o->shares, "Of the scene's triangles: a cell is refined where more are visible")
+  verb.option("SCENE", o->scenes,
+              "Scenes as for visibility-tables; dense-city is here only a quarter as large")
+      .required();
+  verb.option("--share", o->shares,
+              "Thresholds, as shares of the scene's triangles: a view cell that sees more is divided")
       .comma_separated();
-  verb.option("--levels", o->levels, "Of refinement, at most");
-  verb.option("--csv", o->csv, "Written beside the tables");
+  verb.option("--levels", o->levels, "How often a view cell is divided at most");
+  verb.option("--csv", o->csv, "File for the tables as CSV");
+  verb.example("bench octree-tables dense-city --share 0.2 --levels 4 --csv octree.csv");
   verb.runs([o] { run(*o); });
 }
 

@@ -1,4 +1,4 @@
-// Measures where orders fail: studies on matrices made to hurt, and on given ones.
+// Measures where orders fail: studies on adversarial matrices and on given ones.
 //
 // Writes to FOLDER:
 //   failures_shapes.csv   every order on small synthetic matrices, by study and its parameter: structureless
@@ -9,7 +9,7 @@
 //   failures_samples.csv  sampled-tour by sample size and k, beside exact-tour and the bound
 //   failures_seeds.csv    the spread of seeded orders over their seeds
 //   failures_recall.csv   nearby_points against brute force: share of the k nearest found
-// The last three take the given matrices and the synthetic power plant at --scale, the seeds' at a quarter of it.
+// The last three are made from the given matrices and the synthetic power plant at --scale; the seeds' from a quarter of it.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -324,13 +324,15 @@ void run(const Options& options) {
 void add_order_failures(const Verb& verb) {
   const auto o = std::make_shared<Options>();
   verb.option("--out", o->out, "Folder for the tables");
-  verb.option("--scale", o->scale, "Of the synthetic power plant, as a share of the paper's size")
+  verb.option("--scale", o->scale, "Size of the synthetic power plant, as a share of the paper's")
       .between(1e-4, 1.);
-  verb.option("--seeds", o->seeds, "That each order is tried with").between(3u, 1000u);
-  verb.option("--columns", o->columns, "Of the matrices made to hurt").between(40u, 10'000u);
-  verb.option("--queries", o->queries, "Points whose neighbours are sought by brute force")
+  verb.option("--seeds", o->seeds, "Number of seeds that each order is run with").between(3u, 1000u);
+  verb.option("--columns", o->columns, "Number of columns of the adversarial matrices").between(40u, 10'000u);
+  verb.option("--queries", o->queries,
+              "Number of columns whose nearest columns are also sought by brute force")
       .between(1u, 1'000'000u);
   verb.option("MATRIX", o->files, "Matrix files");
+  verb.example("bench order-failures --out out city32.bsp.h5");
   verb.runs([o] { run(*o); });
 }
 

@@ -140,15 +140,19 @@ void run(const Options& options) {
 
 void add_order_scale(const Verb& verb) {
   const auto o = std::make_shared<Options>();
-  verb.option("--scene", o->scene, "Which synthetic scene").one_of({"power-plant", "city"});
-  verb.flag("--harder", o->harder, "The less redundant variant");
-  verb.option("--scale", o->scales, "Shares of the paper's size, growing").between(1e-4, 1.);
-  verb.option("--method", o->methods, "Beside the random order").one_of({"sampled-tour", "scale-tour"});
+  verb.option("--scene", o->scene, "Which scene of Chhugani et al. 2005 the synthetic matrix imitates")
+      .one_of({"power-plant", "city"});
+  verb.flag("--harder", o->harder, "A variant of it that is less redundant and so harder to order");
+  verb.option("--scale", o->scales, "Sizes of the matrix as shares of the paper's, from small to large")
+      .between(1e-4, 1.);
+  verb.option("--method", o->methods, "Methods that are measured beside the random order")
+      .one_of({"sampled-tour", "scale-tour"});
   verb.option("--held-karp", o->most_held_karp,
-              "Distinct columns up to which Held and Karp's bound is made too");
+              "Largest number of distinct columns for which the bound of Held and Karp is computed too");
   verb.threads(o->threads);
-  verb.option("--seed", o->seed, "Of the scene and of orders");
-  verb.option("--csv", o->csv, "Written beside the table");
+  verb.option("--seed", o->seed, "Seed of the matrix and of the orders");
+  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.example("bench order-scale --scene city --scale 0.015625 0.0625 --csv scale.csv");
   verb.runs([o] { run(*o); });
 }
 

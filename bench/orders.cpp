@@ -167,12 +167,14 @@ void run(const Options& options) {
 void add_orders(const Verb& verb) {
   const auto o = std::make_shared<Options>();
   verb.option("--out", o->out, "Folder for orders.csv and orders_bounds.csv");
-  verb.option("--side", o->side, "What is ordered").one_of({"columns", "rows"});
-  verb.option("--method", o->methods, "These alone");
-  verb.option("--seed", o->order.seed, "Of orders that take one");
+  verb.option("--side", o->side, "Whether columns or rows are ordered").one_of({"columns", "rows"});
+  verb.option("--method", o->methods,
+              "Only these methods, named as in 'vismat order'; every one if none is named");
+  verb.option("--seed", o->order.seed, "Seed of the orders that draw random numbers");
   verb.threads(o->order.threads);
   verb.flag("--append", o->append, "Add to the files in the folder");
   verb.option("MATRIX", o->files, "Matrix files").required();
+  verb.example("bench orders koth1.bsp.h5 --out out --method exact-tour best");
   verb.runs([o] { run(*o); });
 }
 

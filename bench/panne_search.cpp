@@ -112,13 +112,15 @@ void run(const Options& options) {
 void add_panne_search(const Verb& verb) {
   const auto o = std::make_shared<Options>();
   verb.option("MATRIX", o->matrices, "Matrix files");
-  verb.option("--scale", o->scales, "Power plants too, at these shares of the paper's size")
+  verb.option("--scale", o->scales, "Also synthetic power plants, at these shares of the paper's size")
       .between(1e-4, 1.);
-  verb.option("--seconds", o->seconds, "For each matrix; 0: as codec panne, until little is found")
+  verb.option("--seconds", o->seconds,
+              "Seconds of the search on each matrix; 0: until little more is found, as codec panne does")
       .not_negative();
   verb.threads(o->threads);
-  verb.option("--seed", o->seed, "Of the search and of the power plants");
-  verb.option("--csv", o->csv, "A line for each point of each curve");
+  verb.option("--seed", o->seed, "Seed of the search and of the power plants");
+  verb.option("--csv", o->csv, "File for the curves as CSV, a line for each point");
+  verb.example("bench panne-search koth1.bsp.h5 --seconds 20 --csv panne.csv");
   verb.runs([o] { run(*o); });
 }
 

@@ -2,11 +2,11 @@
 // visible sets. From each cluster rays run until they meet drawn, opaque geometry; each cluster that they pass on the way
 // makes a pair. Pairs outside of the level's table are exceptions, told apart by what the ray passed before:
 //   far      farther apart than the level lets anything be seen (its key _farplanedist): the ray is longer
-//   walls    solid leafs for more than a millimetre: nothing is drawn there, as on the outer side of a level, so that a ray runs
+//   walls    solid leaves for more than a millimetre: nothing is drawn there, as on the outer side of a level, so that a ray runs
 //            on where no eye gets; these are no fault of either
 //   slits    the ray, moved by 0.2 of the level's units in one of eight directions, does not get there or only through
-//            solid leafs: openings and corners that the compiler's tolerance closes (it drops portals whose edges are shorter)
-//   others   neither: to be explained one by one; the first of each level are printed with --examples
+//            solid leaves: openings and corners that the compiler's tolerance closes (it drops portals whose edges are shorter)
+//   others   neither: to be explained one by one; --examples prints the first of each level
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -60,7 +60,7 @@ struct Counts {
   std::vector<std::string> examples;
 };
 
-// The tree's outer leafs have no end; the level has.
+// The tree's outer leaves have no end; the level has.
 double to_border(const Box& world, const glm::vec3& from, const glm::vec3& direction) {
   double least = INFINITY;
   for (int k = 0; k < 3; ++k) {
@@ -258,13 +258,15 @@ void run(const Options& options) {
 
 void add_peer_pvs(const Verb& verb) {
   const auto o = std::make_shared<Options>();
-  verb.option("LEVEL", o->wheres, "Levels, .pk3 files, or folders of them").required();
-  verb.option("--packets", o->packets, "Viewpoints a cluster, 16 rays each");
-  verb.option("--slit", o->slit, "How far rays are moved to tell slits, in the level's units");
-  verb.option("--examples", o->examples, "Rays without a known cause to print for each level");
-  verb.option("--seed", o->seed, "Of the rays");
+  verb.option("LEVEL", o->wheres, "Quake 3 levels, .pk3 files, or folders of them").required();
+  verb.option("--packets", o->packets, "Number of viewpoints in each cluster; 16 rays start from each");
+  verb.option("--slit", o->slit,
+              "How far a ray is moved to find out whether it passed a slit, in the level's units");
+  verb.option("--examples", o->examples, "Number of unexplained rays that are printed for each level");
+  verb.option("--seed", o->seed, "Seed of the rays");
   verb.threads(o->threads);
-  verb.option("--csv", o->csv, "Writes the table there too");
+  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.example("bench peer-pvs cache/levels --csv peer_pvs.csv");
   verb.runs([o] { run(*o); });
 }
 

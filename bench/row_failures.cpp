@@ -1,7 +1,7 @@
-// Measures the rows that are worst for a code: bytes of a row and time to decode it, for each codec that gives rows alone.
+// Measures worst-case rows: the bytes of a row and the time to decode it, for each codec that reads single rows.
 //
-// Each kind of row stands 256 times in a matrix of 8192 columns (1024 bytes of bitmap a row). What a row cannot take more than is
-// proven where each code is written; codecs with the escape never take more than the bitmap.
+// Each kind of row stands 256 times in a matrix of 8192 columns (a bitmap of 1024 bytes for each row). The header of each code proves
+// how many bytes a row takes at most; codecs that may store a row as its bitmap never take more than that.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -123,8 +123,9 @@ void add_row_failures(const Verb& verb) {
     double seconds = .02;
   };
   const auto o = std::make_shared<Options>();
-  verb.option("--csv", o->csv, "Written beside the table");
-  verb.option("--seconds", o->seconds, "For each time");
+  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.option("--seconds", o->seconds, "Seconds spent on each time that is measured");
+  verb.example("bench row-failures --csv failures.csv");
   verb.runs([o] {
     std::string csv = "row,why,ones,codec,bytes,of_bitmap,decode_us\n";
     measure(csv, o->seconds);

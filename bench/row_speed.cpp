@@ -6,8 +6,8 @@
 // the median and the spread of 7 repetitions. open/...: a file of 100 MB in the page cache is mapped, and asked for a row's place
 // in its index.
 //
-// Without a matrix: 4096 differences over 100,000 columns, about as Chhugani et al. 2005 have them (.5 % dense, 3 ones a run, 750
-// bytes).
+// Without a matrix: 4096 differences over 100,000 columns, about as Chhugani et al. 2005 have them (0.5 % dense, 3 ones in a run,
+// 750 bytes).
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
@@ -234,15 +234,17 @@ void run(const VisibilityMatrix& matrix) {
 }  // namespace
 
 void add_row_speed(const Verb& verb) {
+  const auto file = std::make_shared<std::filesystem::path>();
+  verb.option("MATRIX", *file,
+              "Matrix file; without one, differences like those of Chhugani et al. 2005 are made");
   verb.note(
-      "MATRIX.bsp.h5 is the matrix; without one, differences like the paper's are made. Other arguments are "
-      "Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
+      "Other arguments are Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
   verb.example("bench row-speed koth1.bsp.h5 --benchmark_filter=delimiter");
-  verb.runs_with_rest([](std::vector<std::string> arguments) {
+  verb.runs_with_rest([file](std::vector<std::string> arguments) {
     const std::string first[] = {"--benchmark_repetitions=7", "--benchmark_report_aggregates_only=true"};
     arguments.insert(arguments.begin(), std::begin(first), std::end(first));
-    const auto files = start_google_benchmark(std::move(arguments), 1, "bench row-speed [MATRIX.bsp.h5]");
-    run(files.empty() ? differences_like_the_papers() : read_dataset(files[0]).matrix);
+    start_google_benchmark(std::move(arguments), "bench row-speed [MATRIX]");
+    run(file->empty() ? differences_like_the_papers() : read_dataset(*file).matrix);
   });
 }
 

@@ -5,7 +5,8 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
-#include <stdexcept>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -64,15 +65,14 @@ void run(Dataset data) {
 }  // namespace
 
 void add_speed(const Verb& verb) {
+  const auto file = std::make_shared<std::filesystem::path>();
+  verb.option("MATRIX", *file, "Matrix file").required();
   verb.note(
-      "MATRIX.bsp.h5 is the matrix. Other arguments are Google Benchmark's: --benchmark_filter=REGEX, "
-      "--benchmark_repetitions=9, ...");
+      "Other arguments are Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
   verb.example("bench speed koth1.bsp.h5 --benchmark_filter=decode");
-  verb.runs_with_rest([](const std::vector<std::string>& arguments) {
-    const char* usage = "bench speed MATRIX.bsp.h5";
-    const auto files = start_google_benchmark(arguments, 1, usage);
-    if (files.empty()) throw std::invalid_argument("usage: " + std::string(usage));
-    run(read_dataset(files[0]));
+  verb.runs_with_rest([file](const std::vector<std::string>& arguments) {
+    start_google_benchmark(arguments, "bench speed MATRIX");
+    run(read_dataset(*file));
   });
 }
 

@@ -1,4 +1,4 @@
-// What each verb adds to its command line: options, help, and what it runs. A file a verb, named as it is.
+// The functions that add each verb to bench: its options, help and what it runs. Each is in the source file of that name.
 #pragma once
 #include "programs/options.h"
 

@@ -1,8 +1,8 @@
-// Measures where and why visibility from cells fails: accuracy against raster, cell and triangle size, what each kind of occluder
-// buys, slivers, cracks, walls close together, gaps narrower than a pixel, cells at occluders, far coordinates, levels of detail.
+// Measures where and why producers of visibility fail: accuracy against raster, view cell and triangle size, the gain of each kind of
+// occluder, slivers, cracks, walls close together, gaps narrower than a pixel, cells at occluders, far coordinates, levels of detail.
 //
-// Writes FOLDER/failures.csv (each line judged as in `bench visibility-tables`) and FOLDER/detail.csv. Ends with 1 where an object is
-// hidden that a ray reaches or geometry says is seen, or where a level of detail moves a point by more than a pixel.
+// Writes FOLDER/failures.csv (each line judged as in `bench visibility-tables`) and FOLDER/detail.csv. Ends with exit code 1 if an object is
+// reported hidden that a ray reaches or that is seen by construction, or if a level of detail moves a point by more than a pixel.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -369,11 +369,12 @@ void run(const Options& options) {
 void add_visibility_failures(const Verb& verb) {
   const auto o = std::make_shared<Options>();
   verb.option("--out", o->out, "Folder for the tables");
-  verb.option("--places", o->places, "Spread over a city").between(1u, 1000u);
-  verb.option("--cells", o->each, "At each place").between(1u, 1000u);
-  verb.option("--only", o->only, "These alone")
+  verb.option("--places", o->places, "Number of places, spread over a city").between(1u, 1000u);
+  verb.option("--cells", o->each, "Number of view cells at each place").between(1u, 1000u);
+  verb.option("--only", o->only, "Only these studies")
       .comma_separated()
       .one_of({"walls", "far", "triangles", "sizes", "detail"});
+  verb.example("bench visibility-failures --only walls,far --out out");
   verb.runs([o] { run(*o); });
 }
 

@@ -19,7 +19,7 @@ namespace vismat::bench {
 /// Another object of triangles, each three of `corners`.
 void add_object(Scene& scene, std::span<const glm::dvec3> corners, std::span<const std::uint32_t> indices);
 
-/// A box, closed and outward oriented; bit k of a corner's number tells on which side of axis k it lies.
+/// A box, closed and outward oriented; bit k of a corner's number says on which side of axis k it lies.
 void add_box(Scene& scene, const std::array<glm::dvec3, 8>& corners);
 /// A box round `centre` with its axes scaled and turned.
 void add_box(Scene& scene, const glm::dvec3& centre, const std::array<glm::dvec3, 3>& half_axes);
@@ -31,7 +31,7 @@ glm::dvec3 in_unit_ball(Random& random);
 /// where it has none.
 SceneFile study_scene(const std::string& name);
 
-/// Cells that follow one another, `each` at a place, at places spread evenly over the numbering.
+/// Cells that follow one another, `each` at one place, at places spread evenly over the numbering.
 std::vector<ViewCells> places_of(const ViewCells& cells, std::uint32_t places, std::uint32_t each);
 
 /// A way to find what is visible, and what came of it, cell by cell.
@@ -40,8 +40,8 @@ struct Run {
   std::string producer, settings;
   bool tells_hidden = false, tells_seen = false;
   std::vector<Objects> not_hidden, seen;
-  std::vector<double> ms, wall_ms;  // a cell, one number a place
-  double preparing_ms = 0;          // all of it, once a scene
+  std::vector<double> ms, wall_ms;  // for a view cell, one number for each place
+  double preparing_ms = 0;          // of the whole scene, once
 };
 
 /// Some view cells of a scene. Producers run on them one thread at a time; the reference is dense_reference() and all
@@ -59,7 +59,7 @@ class Study {
   static constexpr const char* header =
       "scene,triangles,objects,cells,producer,settings,ms_median,ms_least,ms_most,wall_ms,preparing_ms,not_"
       "hidden,seen,reference,over_estimation,found,undecided,wrongly_hidden\n";
-  /// A line a run. `wrong` grows by how many objects a run hid that a ray reached.
+  /// A line for each run. `wrong` grows by how many objects a run hid that a ray reached.
   std::string lines(std::uint64_t& wrong);
 
  private:

@@ -1,9 +1,9 @@
-// Measures over-estimation and missed objects against milliseconds a view cell, for every producer.
+// Measures over-estimation and missed objects against milliseconds for a view cell, for every producer.
 //
-// Scenes by name (bench/visibility_study.h), or files. View cells are some at each of a few places, since sampling shares rays between
-// neighbours; times are those of one thread by the processor's clock, a cell, median and range over the places. What a
-// scene's occluders and ray tree take stands apart. Every line is compared with rays first: an object that a run hides and a
-// ray reaches is told, and ends the program with 1.
+// Scenes are named as in bench/visibility_study.h, or are files. At each of a few places several neighbouring view cells are taken,
+// since sampling shares rays between neighbours. Times are processor milliseconds of one thread for a view cell: the median and the
+// range over the places. The time for a scene's occluders and ray tree is given apart. Every line is compared with rays first: if a
+// ray reaches an object that a run reported hidden, that is said, and the verb ends with exit code 1.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -148,12 +148,14 @@ void run(const Options& options) {
 
 void add_visibility_tables(const Verb& verb) {
   const auto o = std::make_shared<Options>();
-  verb.option("SCENE", o->scenes, "dense-city, box-city, plant, soup, tilted-boxes, or a file").required();
-  verb.option("--csv", o->csv, "Written beside the table");
-  verb.flag("--append", o->append, "Add to that file");
-  verb.option("--places", o->places, "Spread over the scene").between(1u, 1000u);
-  verb.option("--cells", o->each, "At each place").between(1u, 1000u);
-  verb.flag("--long", o->long_runs, "More patches too");
+  verb.option("SCENE", o->scenes, "Scenes: dense-city, box-city, plant, soup, tilted-boxes, or scene files")
+      .required();
+  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.flag("--append", o->append, "Add to that file instead of replacing it");
+  verb.option("--places", o->places, "Number of places, spread over the scene").between(1u, 1000u);
+  verb.option("--cells", o->each, "Number of view cells at each place").between(1u, 1000u);
+  verb.flag("--long", o->long_runs, "Also with 2000 patches of the view cell's surface, which takes long");
+  verb.example("bench visibility-tables dense-city --places 2 --cells 2 --csv tables.csv");
   verb.runs([o] { run(*o); });
 }
 

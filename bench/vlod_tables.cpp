@@ -1,10 +1,10 @@
 // Measures differences between neighbouring view cells, compressed as Chhugani et al. 2005 do and otherwise: their Table 2.
 //
 // A difference is one row of a matrix, or two where the file has boundaries (what appears, what vanishes). Bytes are the
-// lists' own, models that they share included, and no index: what the paper counts. The paper does not say as what bytes LZW got
-// the pairs: pair-lzw takes varints, "lzw of 32 bits" numbers as its 9x over bit masks has them (counted, not timed). Each code is
-// checked by a round trip, times are the median, the least and the most of several passes over all differences in the order of the
-// file.
+// lists' own, with the models that they share and without an index, as the paper counts. The paper does not say in what form LZW
+// got the pairs: pair-lzw takes varints, "lzw of 32 bits" takes the numbers of 32 bits that the paper's ratio of 9 to bit masks
+// assumes (counted, not timed). Each code is checked by a round trip. Times are the median, the least and the most of several
+// passes over all differences in the order of the file.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -55,7 +55,7 @@ struct Subject {
   std::uint32_t lists_of_difference = 1;
 };
 
-// Whole rows, which lead into a cell from outside, are no differences.
+// Whole rows, which lead into a view cell from outside, are no differences.
 Subject read(const std::filesystem::path& file) {
   const Dataset data = read_dataset(file);
   if (data.source.boundaries.empty()) return {matrix_name(file), data.matrix};
@@ -191,15 +191,18 @@ void run(const Options& options) {
 void add_vlod_tables(const Verb& verb) {
   const auto o = std::make_shared<Options>();
   verb.option("MATRIX", o->files, "Matrices of differences, as vismat deltas writes them");
-  verb.option("--scale", o->scales, "Also the paper's power plant, at these shares of its size")
+  verb.option("--scale", o->scales, "Also the synthetic power plant, at these shares of the paper's size")
       .comma_separated()
       .between(1e-4, 1.);
-  verb.option("--orders", o->orders, "Of the columns")
+  verb.option("--orders", o->orders,
+              "Orders of the columns; printed: the method as the paper prints it, section 6.1; best: ours")
       .one_of({"random", "printed", "best"})
       .comma_separated();
-  verb.option("--codes", o->codes, "Row codecs").comma_separated();
-  verb.option("--seconds", o->seconds, "For each time");
-  verb.option("--csv", o->csv, "Written beside the tables");
+  verb.option("--codes", o->codes, "Codecs that read single rows, named as in 'vismat encode'")
+      .comma_separated();
+  verb.option("--seconds", o->seconds, "Seconds spent on each time that is measured");
+  verb.option("--csv", o->csv, "File for the tables as CSV");
+  verb.example("bench vlod-tables differences.bsp.h5 --orders best --csv codes.csv");
   verb.runs([o] { run(*o); });
 }
 

@@ -1,9 +1,9 @@
-// Measures what a viewer loads at each boundary on a walk: ids that appear and vanish, and their bytes by each codec that gives
+// Measures what a viewer loads at each boundary on a walk: ids that appear and vanish, and their bytes by each codec that reads
 // single rows [Chhugani et al. 2005, Figs. 9 and 14].
 //
 // The walk is runtime/level_walk.h's: through the faces' visibility of levels, or through a matrix that knows its cells' boxes
-// and neighbours. The columns are ordered by what appears and vanishes. Both lists of a boundary count. What is seen in each
-// cell on the walk is checked against its row before anything is measured.
+// and neighbours. The columns are ordered by what appears and vanishes. Both lists of a boundary count. The visible set of each
+// view cell on the walk is checked against its row before anything is measured.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -141,14 +141,14 @@ void run(const Options& options, const std::string& where, std::span<const Codec
 
 void add_walk_deltas(const Verb& verb) {
   const auto o = std::make_shared<Options>();
-  verb.option("PLACE", o->inputs, "A level, FILE.bsp or FILE.pk3:maps/NAME.bsp; or a matrix, .bsp.h5")
-      .required();
+  verb.option("PLACE", o->inputs, "Levels, FILE.bsp or FILE.pk3:maps/NAME.bsp, or matrix files").required();
   verb.option("--codec", o->codecs,
-              "As vismat encode names them; all that give single rows if none is named");
-  verb.option("--columns", o->order, "Order, as vismat order names it");
-  verb.option("--steps", o->steps, "From cell to cell").positive();
-  verb.option("--seed", o->seed, "Of the walk and of the order");
-  verb.option("--csv", o->csv, "A line a step, written beside the table");
+              "Codecs, named as in 'vismat encode'; all that read single rows if none is named");
+  verb.option("--columns", o->order, "Order of the columns, named as in 'vismat order'");
+  verb.option("--steps", o->steps, "Number of steps from view cell to view cell").positive();
+  verb.option("--seed", o->seed, "Seed of the walk and of the order");
+  verb.option("--csv", o->csv, "File with a line for each step, as CSV");
+  verb.example("bench walk-deltas oa_koth1.bsp --codec delimiter pair-lzw --csv walk.csv");
   verb.runs([o] {
     const std::vector<Codec> codecs = chosen_codecs(o->codecs);
     std::string csv = "matrix,order,step,cell,appears,vanishes,runs";

@@ -1,7 +1,7 @@
 // Measures the methods and baselines of Zach & Karner 2003 on any matrices, as in their Tables 1 and 2; each is checked by a round
 // trip before it is timed.
 //
-// Writes FOLDER/zach2003_scenes.csv (Table 1) and FOLDER/zach2003.csv (Table 2 and more), a line a codec and
+// Writes FOLDER/zach2003_scenes.csv (Table 1) and FOLDER/zach2003.csv (Table 2 and more), a line for each codec and
 // row order. Seconds are medians of up to five runs within two seconds.
 #include <cstdint>
 #include <cstdio>
@@ -129,7 +129,10 @@ void add_zach_tables(const Verb& verb) {
   };
   const auto o = std::make_shared<Options>();
   verb.option("--out", o->out, "Folder for zach2003.csv and zach2003_scenes.csv");
-  verb.option("MATRIX", o->files, "Matrix files with a tree").required();
+  verb.option("MATRIX", o->files,
+              "Matrix files with a tree over the columns, as vismat see or vismat tree writes them")
+      .required();
+  verb.example("bench zach-tables --out out city32.bsp.h5");
   verb.runs([o] {
     std::string scenes = "matrix,view_cells,occludees,average_visibility,ones,guarantee,provenance\n";
     std::string table =

@@ -180,7 +180,7 @@ void Verb::runs(std::function<void()> work) const {
 }
 
 void Verb::runs_with_rest(std::function<void(const std::vector<std::string>&)> work) const {
-  app_->prefix_command();
+  app_->allow_extras();
   app_->callback([app = app_, work = std::move(work)] { work(app->remaining()); });
 }
 

@@ -1,6 +1,6 @@
 """What is known of the level oa_koth1 of openarena-081-maps, against what vismat reads from it.
 
-    bench/known_figures.py VISMAT LEVEL     a line a figure, "ok" or "differs"; exits 1 if one differs
+    bench/reproduce/known_figures.py VISMAT LEVEL     prints a line for each figure, "ok" or "differs"; exits with 1 if one differs
 
 The bitmap is packed here and compressed by gzip(1) itself, so that none of our codecs vouches for itself.
 """

@@ -119,7 +119,7 @@ def draw_distances(results):
 
 
 def draw_scale(results):
-    """Runs, seconds and memory against the ones, each method of each scene; published figures hollow."""
+    """Runs, seconds and memory against the number of ones, for each method and scene; published figures are hollow."""
     figure, all_axes = panels(3, 3, 4.4, 3.9)
     styles = {"power-plant": "-", "city": "--"}
     for (scene, harder, method), group in results.scale.groupby(["scene", "harder", "method"], sort=False):
@@ -166,29 +166,29 @@ def draw_scale(results):
 
 
 def draw_walk(results):
-    """Disk reads (bars) and bytes read (dots) of each layout, as a share fewer than in random order."""
+    """How many fewer disk reads (bars) and bytes read (dots) each order has than a random order."""
     walk = results.walk
     levels = list(dict.fromkeys(walk.matrix))
     figure, all_axes = panels(len(levels), 2, 6.4, 3.2, sharey=True)
-    layouts = [layout for layout in dict.fromkeys(walk.layout) if layout != "random"]
-    colors = {layout: look("identity" if layout == "natural" else layout)[0] for layout in layouts}
+    orders = [order for order in dict.fromkeys(walk.layout) if order != "random"]
+    colors = {order: look("identity" if order == "natural" else order)[0] for order in orders}
     for axes, level in zip(all_axes, levels):
         groups = list(walk[walk.matrix == level].groupby(["page_bytes", "read_ahead_pages"], sort=True))
         for i, (_, group) in enumerate(groups):
             of = group.set_index("layout")
-            for j, layout in enumerate(layouts):
-                x = i + 0.8 * ((j + 0.5) / len(layouts) - 0.5)
-                fewer, less = (100 * (1 - of.loc[layout, column] / of.loc["random", column]) for column in ("reads", "bytes_read"))
-                axes.bar(x, fewer, 0.8 / len(layouts), color=colors[layout])
+            for j, order in enumerate(orders):
+                x = i + 0.8 * ((j + 0.5) / len(orders) - 0.5)
+                fewer, less = (100 * (1 - of.loc[order, column] / of.loc["random", column]) for column in ("reads", "bytes_read"))
+                axes.bar(x, fewer, 0.8 / len(orders), color=colors[order])
                 axes.scatter(x, less, s=22, marker="o", facecolors="white", edgecolors=RED, zorder=3)
         axes.set_xticks(range(len(groups)), [f"{page / 1024:g} KB\n{ahead}" for (page, ahead), _ in groups], fontsize=8)
         axes.axhline(0, color="black", linewidth=0.8)
         axes.axhline(60, color="black", linestyle="--", linewidth=1)
         axes.grid(axis="x", visible=False)
         axes.set_title(level, fontsize=10)
-    figure.supylabel("reduction against a random order, %", fontsize=10)
+    figure.supylabel("fewer than in a random order, %", fontsize=10)
     figure.supxlabel("page size, and below it the pages of read-ahead", fontsize=10)
-    handles = [Patch(color=colors[n], label=f"reads, {n}") for n in layouts]
+    handles = [Patch(color=colors[n], label=f"reads, {n}") for n in orders]
     handles.append(plt.Line2D([], [], ls="", marker="o", mfc="white", mec=RED, label="bytes read"))
     handles.append(plt.Line2D([], [], color="black", linestyle="--", label="Chhugani et al. 2005: almost 60 % fewer reads"))
     legend_below(figure, handles, 5)
@@ -276,7 +276,7 @@ def draw_flann(results):
         bare(axes)
         axes.grid(which="major", color="#e6e6e6")
     all_axes[0][0].set_ylabel("recall of the nearest, %")
-    all_axes[1][0].set_ylabel("microseconds a query")
+    all_axes[1][0].set_ylabel("microseconds for each query")
     figure.supxlabel("rows: the dimension of a column", fontsize=10)
     handles = [plt.Line2D([], [], color=styles[i][0], marker=styles[i][1], label=i) for i in indexes]
     legend_below(figure, handles, 5)
@@ -288,8 +288,8 @@ CHARTS = {
     "gap_against_seconds": ("The same near the bound, with a mark for each matrix and method", draw_gap_against_seconds),
     "bound_convergence": ("Convergence of the lower bound", draw_convergence),
     "distances": ("Fig. 6 of Chhugani et al. 2005 for our data: points near a random point, by the number of points and by the radius", draw_distances),
-    "scale": ("Cost against size, up to the size in the paper", draw_scale),
-    "walk": ("Disk reads and bytes read on walks through levels, compared with a random layout (Fig. 12 of Chhugani et al. 2005)", draw_walk),
+    "scale": ("Runs, seconds and memory against size, up to the size in the paper", draw_scale),
+    "walk": ("Disk reads and bytes read on walks through levels, compared with a random order of the faces on the disk (Fig. 12 of Chhugani et al. 2005)", draw_walk),
     "failures_shapes": ("Synthetic matrices on which orders fail", draw_shapes),
     "failures_samples": ("The published method by sample size and k", draw_samples),
     "failures_flann": ("FLANN's indexes and a plain scan: recall and time by dimension and density", draw_flann),

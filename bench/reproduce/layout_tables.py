@@ -11,7 +11,7 @@ from report_tools import name_of
 
 @dataclass
 class Results:
-    """A table of each program of bench/, as it wrote them, and the published figures."""
+    """The tables as the verbs of bench wrote them, and the published figures."""
     orders: pd.DataFrame
     bounds: pd.DataFrame
     density: pd.DataFrame
@@ -23,7 +23,6 @@ class Results:
     samples: pd.DataFrame
     seeds: pd.DataFrame
     recall: pd.DataFrame
-    reference: pd.DataFrame
     paper: pd.DataFrame
 
     def matrices(self, side="columns"):
@@ -44,7 +43,7 @@ def load(out):
         walk = walk.replace({"layout": {"identity": "natural"}})
     return Results(*map(read, ("orders", "orders_bounds", "distance_density", "distance_radius")), scale, walk,
                    *map(read, ("flann_recall", "failures_shapes", "failures_samples", "failures_seeds", "failures_recall")),
-                   tools.published("orders_reference").set_index("matrix"), tools.published("orders_paper").set_index("scene"))
+                   tools.published("orders_paper").set_index("scene"))
 
 
 # ---- tables ----------------------------------------------------------------------------------------------------------------
@@ -82,24 +81,6 @@ def blocks_of_orders(results, side="columns"):
     """The same, as a table for each measure."""
     table = table_of_orders(results, side)
     return {label: table[table.measure == label].drop(columns="measure") for label in MEASURES}
-
-
-def table_of_references(results):
-    """Our runs beside those of the prototype; in brackets, their share of the runs in a random order."""
-    rows = []
-    for matrix, theirs in results.reference.iterrows():
-        if matrix not in results.matrices():
-            continue
-        of = results.side(matrix)
-        ours = pd.Series({"random": of.runs["random"], "natural": of.runs["identity"], "sampled_256": of.runs["sampled-tour"],
-                          "exact": of.runs["exact-tour"], "polished": of.runs["best"], "bound": of.bound.iloc[0]})
-        for whose, figures in (("ours", ours), (theirs.source, theirs)):
-            def cell(key):
-                return f"{figures[key]:,.0f} ({figures[key] / figures['random']:.1%})"
-            rows.append({"matrix": name_of(matrix), "": whose, "random": f"{figures['random']:,.0f}", "natural": cell("natural"),
-                         "sampled-tour": cell("sampled_256"), "exact-tour": cell("exact"), "best": cell("polished"), "bound": cell("bound"),
-                         "best above\nthe bound": f"{figures['polished'] / figures['bound'] - 1:.2%}"})
-    return pd.DataFrame(rows)
 
 
 def _scene(row):
@@ -167,15 +148,15 @@ def table_of_alpha(results):
 
 
 def table_of_walk(results):
-    """Disk reads of a walk through a level, a column a layout; in brackets, fewer than in random order."""
+    """Disk reads on a walk through a level, with a column for each order; in brackets, how many fewer than in a random order."""
     rows = []
     for (matrix, page, ahead), group in results.walk.groupby(["matrix", "page_bytes", "read_ahead_pages"], sort=False):
         of = group.set_index("layout")
-        rows.append({"level": matrix, "page": f"{page / 1024:g} KB", "read\nahead": f"{ahead}", "cells\nentered": f"{of.steps.iloc[0]:,}",
+        rows.append({"level": matrix, "page": f"{page / 1024:g} KB", "read\nahead": f"{ahead}", "view cells\nentered": f"{of.steps.iloc[0]:,}",
                      "MB\nwanted": f"{of.bytes_wanted.iloc[0] / 1e6:.1f}", "MB read,\nrandom": f"{of.bytes_read['random'] / 1e6:.1f}",
                      "MB read,\nbest": f"{of.bytes_read['best'] / 1e6:.1f}",
-                     **{f"reads,\n{layout}": f"{reads:,} ({1 - reads / of.reads['random']:.1%})" if layout != "random" else f"{reads:,}"
-                        for layout, reads in of.reads.items()}})
+                     **{f"reads,\n{order}": f"{reads:,} ({1 - reads / of.reads['random']:.1%})" if order != "random" else f"{reads:,}"
+                        for order, reads in of.reads.items()}})
     return pd.DataFrame(rows)
 
 

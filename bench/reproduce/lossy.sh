@@ -4,14 +4,14 @@
 
 make_matrix() { matrix "$1" >/dev/null; }
 
-# curves MATRIX [OPTION...]: each coded matrix is compared with its original.
+# curves MATRIX [OPTION...]: each coded matrix is compared with its source.
 curves() {
   local file
   file=$(matrix "$1")
   "$bench" lossy-tables --csv "$part/curves.csv" "${@:2}" "$file"
 }
 
-# every_level_of PACKAGE: what the cells of each level see of one another.
+# every_level_of PACKAGE: what the view cells of each level see of one another.
 every_level_of() {
   local cells
   cells=$(mktemp -d out/matrices/part/levels-XXXXXX)

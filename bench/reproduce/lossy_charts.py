@@ -1,9 +1,9 @@
-"""The charts of controlled loss, clusters and subsets."""
+"""The charts of merging, clusters and subsets."""
 import matplotlib.pyplot as plt
 import numpy
 import pandas as pd
 
-from lossy_tables import TABLE_3_LOST, lossless
+from lossy_tables import TABLE_3_LOST, TREES, lossless
 from report_tools import BLUE, GREEN, GREY, LIGHT_BLUE, LIGHT_ORANGE, ORANGE, RED, bare, legend_below, name_of, panels, plain_ticks
 
 SIDES = {"cells": BLUE, "objects": ORANGE, "both": GREEN}
@@ -12,7 +12,7 @@ NOT_DRAWN = {"delimiter", "xz", "zach3-range", "zach4-range"}  # beside another 
 
 
 def draw_curves(results, columns=3, matrices=None):
-    """Bytes, including the names of rows and columns, against the extra visible entries; a panel for each matrix."""
+    """Bytes, including the maps of rows and columns, against the extra visible entries; a panel for each matrix."""
     matrices = matrices or results.matrices
     figure, all_axes = panels(len(matrices), columns, 4.9, 3.9)
     curves = results.curves[(results.curves.method == "pairs") & (results.curves.max_per_cell == 1)]
@@ -35,7 +35,7 @@ def draw_curves(results, columns=3, matrices=None):
         axes.axhline(best / 2, color=RED, linewidth=.9, linestyle=":")
         axes.set_xscale("symlog", linthresh=2, linscale=.6)
         axes.set_yscale("log")
-        axes.set(xlabel="extra visible entries, % of the visible ones", ylabel="kB", xticks=[0, 1, 2, 5, 10, 20, 50, 100])
+        axes.set(xlabel="extra visible entries, % of the visible ones", ylabel="kB with maps", xticks=[0, 1, 2, 5, 10, 20, 50, 100])
         axes.set_xlim(-.15, max(100, 110 * curves[curves.matrix == matrix].added_share.max()))
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_locator(plt.NullLocator())
@@ -43,7 +43,7 @@ def draw_curves(results, columns=3, matrices=None):
         first = base.iloc[0]
         axes.set_title(f"{name_of(matrix)}: {first.rows:,} x {first['columns']:,}, {first.ones / first.rows / first['columns']:.1%} visible", fontsize=9, loc="left")
     handles = [plt.Line2D([], [], color=RED, marker="*", markersize=11, linewidth=.7, label="smallest without loss"), plt.Line2D([], [], color=RED, linestyle=":", label="half of that"),
-               *(plt.Line2D([], [], color=colour, linewidth=3, label=f"{side} merged") for side, colour in SIDES.items()),
+               *(plt.Line2D([], [], color=colour, linewidth=3, label=f"{side} merged".replace("cells", "view cells")) for side, colour in SIDES.items()),
                *(plt.Line2D([], [], color="black", linestyle=line, marker=marker, markersize=4, markerfacecolor="white" if line != "-" else None, label=codec) for codec, (line, marker) in drawn.items()),
                plt.Line2D([], [], color=GREY, marker="o", markersize=7, linestyle="", label="5 % of occlusions lost")]
     legend_below(figure, handles, 6, fontsize=8)
@@ -62,7 +62,7 @@ def draw_spread(results):
     spread.axhline(0, color=RED, linewidth=1, label="merging by pairs")
     spread.set(xticks=range(len(matrices)), xlim=(-.6, len(matrices) - .4), ylabel="bytes, % above those of merging by pairs")
     spread.set_xticklabels([name_of(matrix).replace(".nodes", "\nover nodes") for matrix in matrices], fontsize=8)
-    spread.set_title("merging by seeds (Zach and Karner 2003, 4.1), smallest to largest", fontsize=10, loc="left")
+    spread.set_title("merging by seeds (Zach and Karner 2003, section 4.1), smallest to largest", fontsize=10, loc="left")
     spread.legend(fontsize=8, frameon=False)
     noise = results.random[results.random.matrix == "random"]
     random.plot(100 * noise.density, 100 * noise.bytes / noise.bytes_before, marker="o", color=GREY, label="random matrices")
@@ -82,7 +82,7 @@ def draw_spread(results):
 
 
 def draw_cells(results):
-    """The loss of each cell from the least to the most, for several bounds on a cell; and what the bound costs."""
+    """The loss of each view cell from the least to the most, for several bounds on one view cell; and what the bound costs."""
     matrices = list(dict.fromkeys(results.quantiles.matrix))
     figure, all_axes = plt.subplots(2, len(matrices), figsize=(4.3 * len(matrices), 6.4), squeeze=False, layout="constrained")
     shades = plt.cm.viridis(numpy.linspace(0, .85, results.quantiles.max_per_cell.nunique()))
@@ -91,19 +91,19 @@ def draw_cells(results):
         for shade, (most, group) in zip(shades, of.groupby("max_per_cell", sort=False)):
             above.plot(100 * group.share_of_cells, 100 * group.lost, color=shade, label=f"{most:.0%}")
         above.set_yscale("symlog", linthresh=20)
-        above.set(xlabel="view cells, %, from the least loss to the most", ylabel="lost occlusions of the cell, %", ylim=(0, 110), yticks=[0, 5, 10, 20, 50, 100])
+        above.set(xlabel="view cells, %, from the least loss to the most", ylabel="lost occlusions of the view cell, %", ylim=(0, 110), yticks=[0, 5, 10, 20, 50, 100])
         above.yaxis.set_major_formatter("{x:g}")
         above.yaxis.set_minor_locator(plt.NullLocator())
         above.set_title(name_of(matrix), fontsize=10, loc="left")
         below.bar(range(len(costs)), costs.bytes / 1e3, color=shades, width=.7)
         for i, row in enumerate(costs.itertuples()):
             below.text(i, row.bytes / 1e3, f"{row.lost_share:.1%}\nlost", ha="center", va="bottom", fontsize=7)
-        below.set(xticks=range(len(costs)), xlabel="bound on the loss of a cell (--max-per-cell)", ylabel="kB", ylim=(0, 1.22 * costs.bytes.max() / 1e3))
+        below.set(xticks=range(len(costs)), xlabel="bound on the loss of one view cell (--max-per-cell)", ylabel="kB", ylim=(0, 1.22 * costs.bytes.max() / 1e3))
         below.set_xticklabels([f"{most:.0%}" for most in costs.max_per_cell])
         for axes in (above, below):
             bare(axes)
             axes.grid(alpha=.25, axis="y")
-    all_axes[0, 0].legend(title="bound on the loss of a cell", fontsize=7, title_fontsize=7, frameon=False, loc="upper left")
+    all_axes[0, 0].legend(title="bound on the loss of one view cell", fontsize=7, title_fontsize=7, frameon=False, loc="upper left")
     return figure
 
 
@@ -117,13 +117,14 @@ def draw_broken(results):
         for i, ((lost, most), colour) in enumerate(zip(bounds, (BLUE, LIGHT_BLUE, ORANGE, LIGHT_ORANGE))):
             group = of[(of.lost == lost) & (of.max_per_cell == most)].set_index(["dense", "share"]).reindex(kinds)
             places = numpy.arange(len(kinds)) + .2 * (i - (len(bounds) - 1) / 2)
-            dense.bar(places, group.bytes / 1e3, color=colour, width=.19, label=f"{lost:.0%} lost in all, at most {most:.0%} in a cell")
+            dense.bar(places, group.bytes / 1e3, color=colour, width=.19, label=f"{lost:.0%} lost in all, at most {most:.0%} in one view cell")
             for place, row in zip(places, group.itertuples()):
                 if not pd.isna(row.bytes):
                     dense.text(place, row.bytes / 1e3, f"{row.poisoned:.0f}", ha="center", va="bottom", fontsize=7)
         dense.set(xticks=range(len(kinds)), ylabel=f"kB, {of.matrix.iloc[0]}")
         dense.set_xticklabels(["no dense row" if number == 0 else f"{number} row{'s' if number > 1 else ''}\n{share:.0%} dense" for number, share in kinds], fontsize=8)
-        dense.set_title("dense rows added; above each bar, how many other rows lost over half", fontsize=9, loc="left")
+        dense.set_ylim(0, 1.35 * of.bytes.max() / 1e3)  # space for the legend
+        dense.set_title("dense rows added; above each bar, how many other rows lost more than half", fontsize=9, loc="left")
         dense.legend(fontsize=7, frameon=False, loc="upper right")
     of = results.trees[results.trees.lost == results.trees.lost.max()]
     ways, matrices = list(dict.fromkeys(of.way)), list(dict.fromkeys(of.matrix))
@@ -134,7 +135,7 @@ def draw_broken(results):
         for place, row in zip(places, group.itertuples()):
             if not pd.isna(row.added_share):
                 trees.text(100 * row.added_share + .3, place, f"{row.violations:,.0f} nodes without their parent", va="center", fontsize=7)
-    trees.set(yticks=numpy.arange(len(ways))[::-1], xlabel="extra visible entries over the nodes, % of the visible ones")
+    trees.set(yticks=numpy.arange(len(ways))[::-1], xlabel="extra visible entries of the nodes, % of the visible ones")
     trees.set_yticklabels([way.replace("; ", ";\n") for way in ways], fontsize=8)
     trees.set_xlim(0, 145 * of.added_share.max())
     trees.set_ylim(-1.1, len(ways) - .4)
@@ -146,7 +147,7 @@ def draw_broken(results):
 
 
 def draw_subsets(results):
-    """Gotsman's methods and the third under contexts, over both trees, beside codecs that know none; columns in the last order given."""
+    """Gotsman's methods and the third one with context models, over both trees, and codecs without a tree; columns in the last order given."""
     of = results.gotsman[results.gotsman.order == results.gotsman.order.iloc[-1]]
     matrices = list(dict.fromkeys(of.matrix))
     figure, all_axes = panels(len(matrices), 3, 4.6, 3.4, grid=False)
@@ -163,19 +164,17 @@ def draw_subsets(results):
                 axes.barh(place, value / 1e3, height=.7 if tree == "" or len(beside) == 1 else .38, color=looks[tree])
                 if name == "gotsman3-context":
                     axes.text(value / 1e3, place, f" {value / values['gotsman3'] - 1:+.0%}", va="center", fontsize=7)
-        third = group[group.codec == "gotsman3"].payload_bytes.min() / 1e3
-        axes.axvline(.65 * third, color=RED, linewidth=1, linestyle=":")
         axes.set(yticks=range(len(names)), xlabel="kB", xscale="log", xlim=(group.payload_bytes.min() / 2000, group.payload_bytes.max() / 800))
         plain_ticks(axes.xaxis, "", (1, 2, 5))
         axes.set_yticklabels(names, fontsize=8)
         axes.set_title(name_of(matrix), fontsize=10, loc="left")
-    handles = [plt.Rectangle((0, 0), 1, 1, color=colour, label={"": "no tree", "k-d": "k-d tree over the boxes of the cells", "by sets": "tree by similar sets"}[tree]) for tree, colour in looks.items()]
-    legend_below(figure, [*handles, plt.Line2D([], [], color=RED, linestyle=":", label="35 % below the plain third method")], 4, fontsize=8)
+    handles = [plt.Rectangle((0, 0), 1, 1, color=colour, label=f"tree {TREES[tree]}" if tree else "no tree") for tree, colour in looks.items()]
+    legend_below(figure, handles, 4, fontsize=8)
     return figure
 
 
 def draw_search(results):
-    """Bytes over the seconds of the search for clusters; 100 % is the table without clusters."""
+    """Bytes against the seconds of the search for clusters; 100 % is the table without clusters."""
     figure, axes = plt.subplots(figsize=(9, 4.8), layout="constrained")
     matrices = list(dict.fromkeys(results.search.matrix))
     colours = plt.cm.tab10(numpy.arange(len(matrices)) % 10)
@@ -196,8 +195,8 @@ def draw_search(results):
 CHARTS = {
     "lossy_curves": ("Bytes against extra visible entries, with a panel for each matrix. The large mark on each line is at 5 % lost occlusions, as in Table 3", draw_curves, ("curves",)),
     "lossy_spread": ("Left: twenty random seeds of the paper's grouping. Right: what 5 % lost occlusions save where no rows are alike", draw_spread, ("seeds", "random")),
-    "lossy_cells": ("How the loss is spread over the cells. Above: the loss of each cell. Below: bytes under a bound on the loss of any one cell", draw_cells, ("cells", "quantiles")),
-    "lossy_broken": ("Left: dense rows among others. Right: trees whose nodes, objects or cells are merged", draw_broken, ("dense", "trees")),
-    "gotsman": ("Subsets over a tree of view cells, with the columns in the best order", draw_subsets, ("gotsman",)),
+    "lossy_cells": ("How the loss is spread over the view cells. Above: the loss of each view cell. Below: bytes under a bound on the loss of any one view cell", draw_cells, ("cells", "quantiles")),
+    "lossy_broken": ("Left: dense rows among others. Right: trees whose nodes, objects or view cells are merged", draw_broken, ("dense", "trees")),
+    "gotsman": ("Subsets over a tree of view cells, with the columns in the best order. Beside each bar of gotsman3-context: its bytes compared with those of gotsman3", draw_subsets, ("gotsman",)),
     "panne_search": ("Clusters: bytes against the seconds of the search", draw_search, ("search",)),
 }

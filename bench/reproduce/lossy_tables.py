@@ -1,4 +1,4 @@
-"""The tables of controlled loss, clusters and subsets: as ./reproduce lossy wrote them, and as the report and the notebooks show them."""
+"""The tables of merging, clusters and subsets: as ./reproduce lossy wrote them, and as the report and the notebooks show them."""
 import pathlib
 from dataclasses import dataclass
 
@@ -15,17 +15,17 @@ FAR = 4 / 3  # a ratio further than this from the published one has to be explai
 
 @dataclass
 class Results:
-    """A table of each program, as it wrote them, None where it was not run; and the published figures."""
-    curves: pd.DataFrame            # lossy_tables: a line a merge and codec
-    seeds: pd.DataFrame | None      # lossy_failures, this and the next five
+    """The tables as the verbs of bench wrote them, None where one was not run; and the published figures."""
+    curves: pd.DataFrame            # bench lossy-tables: a line for each merge and codec
+    seeds: pd.DataFrame | None      # bench lossy-failures, this and the next five
     random: pd.DataFrame | None
     dense: pd.DataFrame | None
     cells: pd.DataFrame | None
     quantiles: pd.DataFrame | None
     trees: pd.DataFrame | None
-    every_level: pd.DataFrame | None  # lossy_tables of all levels
-    gotsman: pd.DataFrame | None    # gotsman_tables
-    search: pd.DataFrame | None     # panne_search
+    every_level: pd.DataFrame | None  # bench lossy-tables of all levels
+    gotsman: pd.DataFrame | None    # bench gotsman-tables
+    search: pd.DataFrame | None     # bench panne-search
     published: pd.DataFrame         # Table 3
     published_scenes: pd.DataFrame  # Table 1
 
@@ -91,7 +91,7 @@ def table_3(results):
 
 
 def table_of_halves(results):
-    """At 5 % lost occlusions, every level: bytes with what names rows and columns, and as a share of the same codec's lossless bytes."""
+    """At 5 % lost occlusions, every matrix: bytes with maps, and as a share of the same codec's lossless bytes."""
     rows = []
     curves = results.curves[(results.curves.lost == TABLE_3_LOST) & (results.curves.method == "pairs") & (results.curves.max_per_cell == 1)]
     for matrix in results.matrices:
@@ -111,23 +111,23 @@ def table_of_halves(results):
 
 
 def table_of_every_level(results):
-    """What 5 % lost occlusions leave of the bytes of a level's cells x cells, both sides merged, with names; by how dense and how large
-    the levels are. Few occlusions are few to lose, and of a small matrix the names are half."""
+    """What 5 % lost occlusions leave of the bytes of a level's cells x cells, both sides merged, with maps; by how dense and how large
+    the levels are. A dense level has few occlusions to lose, and the maps of a small one take half of the bytes."""
     levels = results.every_level
     whole = levels[levels.method == "none"].set_index("matrix")
     merged = levels[levels.method == "pairs"].set_index("matrix")
-    visible, names = whole.ones / whole.rows / whole["columns"], "names_bytes"
-    share = (merged.bytes + merged[names]) / (whole.bytes + whole[names])
+    visible, maps = whole.ones / whole.rows / whole["columns"], "names_bytes"
+    share = (merged.bytes + merged[maps]) / (whole.bytes + whole[maps])
     payload = merged.bytes / whole.bytes
     bins = {"all": visible >= 0, "visible below 20 %": visible < .2, "20 to 40 %": visible.between(.2, .4, inclusive="left"), "40 % and more": visible >= .4,
             "view cells below 200": whole.rows < 200, "200 to 999": whole.rows.between(200, 999), "1,000 and more": whole.rows >= 1000}
     return pd.DataFrame({"levels": name, "number": f"{of.sum():,}", "at most half\nthe bytes": f"{(share[of] <= .5).sum():,}",
-                         "median\nof lossless": f"{share[of].median():.0%}", "without\nnames": f"{payload[of].median():.0%}"}
+                         "median\nof lossless": f"{share[of].median():.0%}", "without\nmaps": f"{payload[of].median():.0%}"}
                         for name, of in bins.items() if of.any())
 
 
 def table_at_extra(results, shares=(.01, .02, .05, .1, .2)):
-    """For several shares of extra visible entries: the bytes of the smallest codec, with names, as a share of the smallest lossless ones.
+    """For several shares of extra visible entries: the bytes of the smallest codec, with maps, as a share of the smallest lossless ones.
     Between the points of a curve the logarithm of its bytes is interpolated."""
     rows = []
     curves = results.curves[(results.curves.method == "pairs") & (results.curves.max_per_cell == 1)]
@@ -148,9 +148,9 @@ def table_of_loss(results):
         one, base = group.iloc[0], lossless(results, matrix).total
         least = group.loc[group.total.idxmin()]
         rows.append({"matrix": name_of(matrix), "method": method, "side": side, "lost\nat most": f"{lost:.1%}", "cells\nleft": f"{one.cells:,}", "objects\nleft": f"{one.objects:,}",
-                     "added": f"{one.added:,}", "extra\nvisible": f"{one.added_share:.1%}", "median\ncell": f"{one.cell_median:.1%}", "95 of 100\ncells": f"{one.cell_95:.1%}",
-                     "worst\ncell": f"{one.cell_worst:.1%}", "merged\nin s": f"{one.merge_s:.2f}", "names\nbytes": f"{one.names_bytes:,}", "smallest\ncodec": least.codec,
-                     "bytes": f"{least.bytes:,}", "bytes with names,\nof lossless": f"{least.total / base.min():.0%}"})
+                     "added": f"{one.added:,}", "extra\nvisible": f"{one.added_share:.1%}", "median\nloss": f"{one.cell_median:.1%}", "95th\npercentile": f"{one.cell_95:.1%}",
+                     "largest\nloss": f"{one.cell_worst:.1%}", "seconds\nto merge": f"{one.merge_s:.2f}", "bytes\nof maps": f"{one.names_bytes:,}", "smallest\ncodec": least.codec,
+                     "bytes": f"{least.bytes:,}", "bytes with maps,\nof lossless": f"{least.total / base.min():.0%}"})
     return pd.DataFrame(rows)
 
 
@@ -176,7 +176,7 @@ def table_of_seeds(results):
         pairs, seeds = group[group.method == "pairs"].iloc[0], group[group.method == "seeds"]
         rows.append({"matrix": name_of(matrix), "seeds": len(seeds), "cells left\nleast": f"{seeds.cells.min():,}", "median": f"{seeds.cells.median():,.0f}",
                      "most": f"{seeds.cells.max():,}", "bytes\nleast": f"{seeds.bytes.min():,}", "bytes\nmedian": f"{seeds.bytes.median():,.0f}", "bytes\nmost": f"{seeds.bytes.max():,}",
-                     "spread": f"{seeds.bytes.max() / seeds.bytes.min() - 1:.1%}", "worst cell\nleast": f"{seeds.cell_worst.min():.0%}", "worst cell\nmost": f"{seeds.cell_worst.max():.0%}",
+                     "spread": f"{seeds.bytes.max() / seeds.bytes.min() - 1:.1%}", "largest loss\nleast": f"{seeds.cell_worst.min():.0%}", "largest loss\nmost": f"{seeds.cell_worst.max():.0%}",
                      "pairs\ncells": f"{pairs.cells:,}", "pairs\nbytes": f"{pairs.bytes:,}"})
     return pd.DataFrame(rows)
 
@@ -184,18 +184,18 @@ def table_of_seeds(results):
 def table_of_random(results):
     return pd.DataFrame([{"matrix": name_of(row.matrix), "rows": f"{row.rows:,}", "visible": f"{row.density:.1%}", "rows\nleft": f"{row.cells:,}", "rows left\nof all": f"{row.cells / row.rows:.0%}",
                           "lost": f"{row.lost_share:.1%}", "extra\nvisible": f"{row.added_share:.0%}", "lossless\nbytes": f"{row.bytes_before:,}", "bytes": f"{row.bytes:,}",
-                          "of\nlossless": f"{row.bytes / row.bytes_before:.0%}", "worst\ncell": f"{row.cell_worst:.0%}"} for row in results.random.itertuples()])
+                          "of\nlossless": f"{row.bytes / row.bytes_before:.0%}", "largest\nloss": f"{row.cell_worst:.0%}"} for row in results.random.itertuples()])
 
 
 def table_of_dense(results):
-    return pd.DataFrame([{"matrix": row.matrix, "dense\nrows": row.dense, "ones\nin them": f"{row.share:.0%}" if row.dense else "", "method": row.method, "bound on\na cell": f"{row.max_per_cell:.0%}",
+    return pd.DataFrame([{"matrix": row.matrix, "dense\nrows": row.dense, "ones\nin them": f"{row.share:.0%}" if row.dense else "", "method": row.method, "bound on\none cell": f"{row.max_per_cell:.0%}",
                           "lost\nat most": f"{row.lost:.0%}", "lost": f"{row.lost_share:.1%}", "rows\nleft": f"{row.cells:,}", "bytes": f"{row.bytes:,}", "others that lost\nmore than half": row.poisoned,
-                          "median\ncell": f"{row.cell_median:.1%}", "95 of 100\ncells": f"{row.cell_95:.1%}", "worst\ncell": f"{row.cell_worst:.0%}"} for row in results.dense.itertuples()])
+                          "median\nloss": f"{row.cell_median:.1%}", "95th\npercentile": f"{row.cell_95:.1%}", "largest\nloss": f"{row.cell_worst:.0%}"} for row in results.dense.itertuples()])
 
 
 def table_of_cells(results):
-    return pd.DataFrame([{"matrix": name_of(row.matrix), "bound on\na cell": f"{row.max_per_cell:.0%}", "cells\nleft": f"{row.cells:,}", "lost": f"{row.lost_share:.1%}", "median\ncell": f"{row.cell_median:.1%}",
-                          "95 of 100\ncells": f"{row.cell_95:.1%}", "worst\ncell": f"{row.cell_worst:.1%}", "bytes": f"{row.bytes:,}", "names\nbytes": f"{row.names_bytes:,}"}
+    return pd.DataFrame([{"matrix": name_of(row.matrix), "bound on\none cell": f"{row.max_per_cell:.0%}", "cells\nleft": f"{row.cells:,}", "lost": f"{row.lost_share:.1%}", "median\nloss": f"{row.cell_median:.1%}",
+                          "95th\npercentile": f"{row.cell_95:.1%}", "largest\nloss": f"{row.cell_worst:.1%}", "bytes": f"{row.bytes:,}", "bytes\nof maps": f"{row.names_bytes:,}"}
                          for row in results.cells.itertuples()])
 
 
@@ -205,17 +205,20 @@ def table_of_trees(results):
                           "cells with\nsuch nodes": f"{row.cells_with_violations:,}"} for row in results.trees.itertuples()])
 
 
+TREES = {"k-d": "by boxes", "by sets": "by sets"}  # as in the tables of bench: as `vismat tree --by` names them
+
+
 def table_of_subsets(results):
-    """Gotsman's methods over trees of view cells; beside them codecs that know no tree. Payloads; the tree's bytes apart."""
+    """Gotsman's methods over trees of view cells, and codecs without a tree. Bytes are the payload, with the model and without index and tree."""
     rows = []
     for (matrix, order), group in results.gotsman.groupby(["matrix", "order"], sort=False):
         for row in group.itertuples():
             third = group[(group.tree == row.tree) & (group.codec == "gotsman3")] if isinstance(row.tree, str) else group.head(0)
-            rows.append({"matrix": matrix, "columns": order, "tree": row.tree if isinstance(row.tree, str) else "-", "codec": row.codec, "bytes": f"{row.payload_bytes:,}",
-                         "of the third\nmethod": f"{row.payload_bytes / third.payload_bytes.iloc[0]:.0%}" if len(third) else "", "model\nin them": f"{row.model_bytes:,}", "index": f"{row.index_bytes:,}",
-                         "tree\nbytes": f"{row.tree_bytes:,}", "encode\nms": f"{1e3 * row.encode_s:,.1f}", "decode\nms": f"{1e3 * row.decode_s:,.1f}",
-                         **({"row us\nmedian": "", "row us\n95 of 100": "", "us along\na path": "", "bytes read\na row": ""} if pd.isna(row.row_us) else
-                            {"row us\nmedian": f"{row.row_us:.2f}", "row us\n95 of 100": f"{row.row_us_95:.2f}", "us along\na path": f"{row.row_path_us:.2f}", "bytes read\na row": f"{row.row_bytes_read:,.0f}"})})
+            rows.append({"matrix": matrix, "columns": order, "tree": TREES[row.tree] if isinstance(row.tree, str) else "-", "codec": row.codec, "bytes": f"{row.payload_bytes:,}",
+                         "of the third\nmethod": f"{row.payload_bytes / third.payload_bytes.iloc[0]:.0%}" if len(third) else "", "bytes of\nthe model": f"{row.model_bytes:,}", "bytes of\nthe index": f"{row.index_bytes:,}",
+                         "bytes of\nthe tree": f"{row.tree_bytes:,}", "ms to\nencode": f"{1e3 * row.encode_s:,.1f}", "ms to\ndecode": f"{1e3 * row.decode_s:,.1f}",
+                         **({"us for a row,\nmedian": "", "us, 95th\npercentile": "", "us,\npath kept": "", "bytes read\nfor a row": ""} if pd.isna(row.row_us) else
+                            {"us for a row,\nmedian": f"{row.row_us:.2f}", "us, 95th\npercentile": f"{row.row_us_95:.2f}", "us,\npath kept": f"{row.row_path_us:.2f}", "bytes read\nfor a row": f"{row.row_bytes_read:,.0f}"})})
     return pd.DataFrame(rows)
 
 

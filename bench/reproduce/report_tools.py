@@ -57,7 +57,7 @@ def to_html(table):
 
     mark = ' class="published"'
     classes = [mark if str(column).endswith("published") else "" for column in table.columns]
-    body = "".join(f"<tr{mark if {'published', 'prototype'} & set(map(str, row)) else ''}>{cells('td', row, classes)}</tr>\n"
+    body = "".join(f"<tr{mark if 'published' in map(str, row) else ''}>{cells('td', row, classes)}</tr>\n"
                    for row in table.itertuples(index=False))
     words = ' class="words"' if table.attrs.get("words") else ""
     return f'<div class="wide"><table{words}><thead><tr>{cells("th", table.columns, classes)}</tr></thead>\n<tbody>{body}</tbody></table></div>'

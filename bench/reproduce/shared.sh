@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# What the scripts of ./reproduce share: levels and matrices by name, and steps, which a run that was ended goes on from.
+# What the scripts of ./reproduce share: levels and matrices by name, and steps: a stopped run continues after the last finished one.
 #
 # A script sources this file, defines the function `steps`, which calls `step` once for each part of its result, and ends
 # with `run_steps`. `steps` is called twice: first to list the steps, then to run them.
@@ -45,14 +45,14 @@ level() {
   esac
 }
 
-# not_measured WHAT: tells it once, and the report's page tells it too.
+# not_measured WHAT: says so once, here and on the report's page.
 not_measured() {
   if grep -qxFs "$1" "$out/not_measured.txt"; then return; fi
   echo "$1" >>"$out/not_measured.txt"
   say "not measured: $1"
 }
 
-# present NAME...: those of these levels, and of these matrices, that can be had; the others are named.
+# present NAME...: prints those of these levels and matrices whose package was fetched, and says which are missing.
 present() {
   local name level file
   for name in "$@"; do
@@ -68,7 +68,7 @@ present() {
   done
 }
 
-# every_level PACKAGE COMMAND...: runs COMMAND with each level of the package. A level without visibility data is passed over.
+# every_level PACKAGE COMMAND...: runs COMMAND with each level of the package. Levels without visibility data are passed over.
 every_level() {
   local package=$1 file place
   shift
@@ -84,7 +84,7 @@ every_package() { find "$levels" -mindepth 1 -maxdepth 1 -type d ! -name '.*' -p
 
 # matrix NAME: the path of a matrix, which is made if it is missing or older than the program.
 #   artificial-1, artificial-2   an artificial city, over the nodes of its quadtree
-#   LEVEL.cells, LEVEL.faces     what the cells of a level see of one another, or of its faces
+#   LEVEL.cells, LEVEL.faces     what the view cells of a level see of one another, or of its faces
 #   LEVEL.cells.nodes ...        the same, over the nodes of a tree of boxes
 #   NAME.differences             the differences between cells that touch in matrix NAME
 matrix() {

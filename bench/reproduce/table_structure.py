@@ -1,8 +1,8 @@
 """What in a table decides how the methods rank on it, measured on the tables themselves.
 
-    bench/table_structure.py MATRIX.bsp.h5 ... > OUT/zach2003_structure.csv
+    bench/reproduce/table_structure.py MATRIX.bsp.h5 ... > OUT/zach2003_structure.csv
 
-    distinct_columns   part of the columns that are left when of identical ones each is kept once
+    distinct_columns   share of the columns that is left when identical ones are kept once
     row_run            mean length of a run of equal bits along a row of the table, in bits
     bzip2_distinct     bytes that bzip2 -9 needs for the distinct columns alone, in their order
 """
@@ -16,7 +16,7 @@ import numpy
 
 
 def dense_table(path):
-    """One byte an entry, from a Binsparse CSR file."""
+    """The matrix of a Binsparse CSR file with one byte for each entry."""
     with h5py.File(path) as file:
         starts, ids = file["pointers_to_1"][:].astype(numpy.int64), file["indices_1"][:]
         shape = json.loads(file.attrs["binsparse"])["binsparse"]["shape"]

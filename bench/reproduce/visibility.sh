@@ -2,7 +2,7 @@
 # visibility  over-estimation and missed objects against milliseconds a view cell, where visibility fails, the octree; Chhugani et al. 2005, section 8
 . "$(dirname "$0")/shared.sh"
 
-# The programs of the first two end with an error where an object is hidden that a ray reaches.
+# The verbs of the first two end with an error if a ray reaches an object that is reported hidden.
 failures() { "$bench" visibility-failures --out "$part" --places "$1" >/dev/null; }
 # producers SCENE OPTION...
 producers() { "$bench" visibility-tables --csv "$part/tables.csv" "${@:2}" "$1" >/dev/null; }

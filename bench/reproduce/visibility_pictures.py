@@ -32,7 +32,7 @@ class Sandwich:
     state: numpy.ndarray        # [cells, objects]: 0 hidden, 1 undecided, 2 seen
     seen_pointers: numpy.ndarray
     sight_lines: numpy.ndarray  # for each entry of the seen matrix: a point of the cell, a point of the object
-    degrees: numpy.ndarray      # for each entry too: its part of all directions
+    degrees: numpy.ndarray      # for each entry too: its share of all directions
 
     def of_cell(self, values, cell):
         return values[self.seen_pointers[cell]:self.seen_pointers[cell + 1]]
@@ -54,7 +54,7 @@ def load(out):
 
 
 def typical_cell(of):
-    """The cell with the median number of undecided objects."""
+    """The view cell with the median number of undecided objects."""
     counts = (of.state == 1).sum(1)
     return int(numpy.argsort(counts, kind="stable")[len(counts) // 2])
 
@@ -63,7 +63,7 @@ def table_of_cells(runs):
     rows = []
     for of in runs:
         hidden, undecided, seen = ((of.state == value).sum(1).mean() for value in range(3))
-        rows.append({"scene": of.scene, "effort": of.effort, "cells": len(of.cells), "objects": f"{len(of.objects):,}", "seen\na cell": f"{seen:.1f}", "undecided": f"{undecided:.1f}",
+        rows.append({"scene": of.scene, "effort": of.effort, "cells": len(of.cells), "objects": f"{len(of.objects):,}", "seen\nper cell": f"{seen:.1f}", "undecided": f"{undecided:.1f}",
                      "hidden": f"{hidden:.1f}", "undecided,\nof all objects": f"{undecided / len(of.objects):.2%}"})
     return pd.DataFrame(rows)
 
@@ -95,7 +95,7 @@ def legend(figure):
 
 
 def draw_efforts(runs):
-    """One cell of one scene, at each effort."""
+    """One view cell of one scene, at each effort."""
     figure, all_axes = plt.subplots(1, len(runs), figsize=(4.4 * len(runs), 5), squeeze=False, layout="constrained")
     for axes, of in zip(all_axes[0], runs):
         draw_plan(axes, of, typical_cell(runs[0]))
@@ -125,7 +125,7 @@ def draw_slanting(of):
 
 
 def draw_counts(runs):
-    """Undecided objects of a cell, and the degree of visibility of the seen ones."""
+    """Undecided objects of each view cell, and the degree of visibility of the seen ones."""
     figure, (undecided, degree) = plt.subplots(1, 2, figsize=(11, 3.4), layout="constrained")
     for of, colour in zip(runs, plt.cm.viridis(numpy.linspace(0, .85, len(runs)))):
         name = f"{of.scene}, effort {of.effort}"
@@ -133,7 +133,7 @@ def draw_counts(runs):
         degrees = numpy.sort(of.degrees[of.degrees > 0])[::-1]
         degree.plot(numpy.arange(1, len(degrees) + 1) / len(of.cells), degrees, color=colour, label=name)
     undecided.set(xlabel="undecided objects, % of all", ylabel="number of view cells")
-    degree.set(xscale="log", yscale="log", xlabel="seen objects of a cell, largest first", ylabel="degree of visibility (part of all directions)")
+    degree.set(xscale="log", yscale="log", xlabel="seen objects of a view cell, largest first", ylabel="degree of visibility (share of all directions)")
     for axes in (undecided, degree):
         bare(axes)
         axes.legend(fontsize=8, frameon=False)

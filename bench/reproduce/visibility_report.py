@@ -19,13 +19,13 @@ from report_tools import BLUE, GREEN, GREY, ORANGE, RED, bare, legend_below, pla
 
 LOOKS = {"shadow": (BLUE, "o"), "sampled": (ORANGE, "s"), "sandwich": (GREEN, "D")}
 BENCHMARK = "dense-city"
-# For effort 0, 1 and 2: the producer, and the goals: milliseconds a cell, over-estimation, share found and share undecided of all objects.
+# For effort 0, 1 and 2: the producer, and the goals: milliseconds for a view cell, over-estimation, share found and share undecided of all objects.
 GOALS = [("shadow", 10, 2.0, None, None), ("sandwich", 150, 1.4, .95, None), ("sandwich", 1000, None, None, .02)]
 
 
 @dataclass
 class Results:
-    """A table of each program, as it wrote them, None where it was not run; and the published figures."""
+    """The tables as the verbs of bench wrote them, None where one was not run; and the published figures."""
     tables: pd.DataFrame           # bench visibility-tables: a line for each scene, producer and setting
     failures: pd.DataFrame | None  # bench visibility-failures, this and the next
     detail: pd.DataFrame | None
@@ -45,7 +45,7 @@ def show(value, form):
 
 
 def table_of_goals(results):
-    """The project's own goals, on the dense city."""
+    """The goals that we set before measuring, on the dense city."""
     rows = []
     of = results.tables[results.tables.scene == BENCHMARK]
     for tier, (producer, ms, over, found, undecided) in enumerate(GOALS):
@@ -53,7 +53,7 @@ def table_of_goals(results):
         if lines.empty:
             continue
         line = lines.iloc[0]
-        checks = [("ms a cell", line.ms_median, ms, "{:.1f}", "at most {:g}", line.ms_median <= ms)]
+        checks = [("ms per view cell", line.ms_median, ms, "{:.1f}", "at most {:g}", line.ms_median <= ms)]
         if over:
             checks.append(("over-estimation", line.over_estimation, over, "{:.2f}x", "at most {:.1f}x", line.over_estimation <= over))
         if found:
@@ -68,7 +68,7 @@ def table_of_goals(results):
 
 def table_of_runs(results, scene):
     of = results.tables[results.tables.scene == scene]
-    return pd.DataFrame([{"producer": row.producer, "settings": row.settings, "ms a cell\nmedian": f"{row.ms_median:.1f}", "least to\nmost ms": f"{row.ms_least:.1f} to {row.ms_most:.1f}",
+    return pd.DataFrame([{"producer": row.producer, "settings": row.settings, "ms per cell,\nmedian": f"{row.ms_median:.1f}", "ms, least\nto most": f"{row.ms_least:.1f} to {row.ms_most:.1f}",
                           "not hidden": show(row.not_hidden, "{:.1f}"), "seen": show(row.seen, "{:.1f}"), "reference": f"{row.reference:.1f}",
                           "over-\nestimation": show(row.over_estimation, "{:.2f}x"), "found": show(row.found, "{:.1%}"),
                           "undecided,\nof all objects": show(row.undecided if row.producer == "sandwich" else numpy.nan, "{:.2%}"),
@@ -83,7 +83,7 @@ def table_of_points(results):
         by = of.set_index("settings").not_hidden
         rows.append({"scene": scene, "random": f"{by['random']:.1f}", **{name: f"{by[name]:.1f} ({by[name] / by['random'] - 1:+.1%})" for name in by.index if name != "random"}})
     table = pd.DataFrame(rows)
-    table.columns = [name.replace(" (published)", "\n(published's objective)").replace(" (ours)", "\n(our objective)") for name in table.columns]
+    table.columns = [name.replace(" (published)", "\n(the paper's objective)").replace(" (ours)", "\n(our objective)") for name in table.columns]
     return table
 
 
@@ -92,12 +92,12 @@ def table_beside_published(results):
     of = results.tables[results.tables.wrongly_hidden.notna()]
     single = of[(of.producer == "shadow") & of.settings.str.contains("effort 0")]
     published = results.published.words
-    rows = [("ms a view cell, one core", published.ms_a_cell, f"{single.ms_median.min():.1f} to {single.ms_median.max():.1f} ms", "effort 0, the scenes of this page, on current hardware"),
-            ("over-estimation", published.over_estimation, f"{single.over_estimation.min():.2f} to {single.over_estimation.max():.2f} times", "effort 0; the reference is at least 4 million rays a cell, not 125 points")]
+    rows = [("ms per view cell, one core", published.ms_a_cell, f"{single.ms_median.min():.1f} to {single.ms_median.max():.1f} ms", "effort 0, the scenes of this page, on current hardware"),
+            ("over-estimation", published.over_estimation, f"{single.over_estimation.min():.2f} to {single.over_estimation.max():.2f} times", "effort 0; the reference is at least 4 million rays from each view cell, not 125 points")]
     points = results.tables[results.tables.producer == "point"].pivot_table(index="scene", columns="settings", values="not_hidden")
     if len(points):
         fewer = 1 - points["apexes (published)"] / points["random"]
-        rows.append(("fewer objects than from a random point", published.fewer, f"{fewer.min():.1%} to {fewer.max():.1%}", "with the objective of the paper; ours is in the table of projection points"))
+        rows.append(("fewer objects than from a random point", published.fewer, f"{fewer.min():.1%} to {fewer.max():.1%}", "with the paper's objective; ours is in the table of projection points"))
     if results.octree is not None:
         last = results.octree.loc[results.octree.groupby(["scene", "threshold"])["level"].idxmax()]
         last = last[last.stopped > 0]
@@ -110,7 +110,7 @@ def table_beside_published(results):
 def table_of_failures(results, studies):
     of = results.failures[results.failures.study.isin(studies)].fillna({"value": ""})
     return pd.DataFrame([{"study": row.study, "": str(row.value), "occluders": row.settings, "triangles": f"{row.triangles:,}", "not hidden": f"{row.not_hidden:.1f}", "reference": f"{row.reference:.1f}",
-                          "over-\nestimation": f"{row.over_estimation:.2f}x", "wrongly\nhidden": f"{row.wrongly_hidden:.0f}", "ms a cell": f"{row.ms_median:.1f}"} for row in of.itertuples()])
+                          "over-\nestimation": f"{row.over_estimation:.2f}x", "wrongly\nhidden": f"{row.wrongly_hidden:.0f}", "ms per\ncell": f"{row.ms_median:.1f}"} for row in of.itertuples()])
 
 
 def table_of_detail(results):
@@ -121,7 +121,7 @@ def table_of_detail(results):
 def table_of_octree(results):
     rows = []
     for row in results.octree.itertuples():
-        rows.append({"scene": row.scene, "threshold": f"{row.threshold:,}", "cells": f"{row.cells:,}", "triangles\na cell": f"{row.mean_triangles:,.0f}", "level": row.level, "side, m": f"{row.side:.1f}", "evaluated": f"{row.evaluated:,}",
+        rows.append({"scene": row.scene, "threshold": f"{row.threshold:,}", "cells": f"{row.cells:,}", "triangles\nper cell": f"{row.mean_triangles:,.0f}", "level": row.level, "side, m": f"{row.side:.1f}", "evaluated": f"{row.evaluated:,}",
                      "kept": f"{row.kept:,}", "stopped": f"{row.stopped:,}", "of kept": f"{row.stopped / row.kept:.0%}" if row.kept else "", "excess": f"{row.excess:.2f}x" if row.stopped else ""})
     return pd.DataFrame(rows)
 
@@ -129,7 +129,7 @@ def table_of_octree(results):
 # ---- charts ----------------------------------------------------------------------------------------------------------------
 
 def draw_tiers(results):
-    """A column for each scene: above over-estimation, below missed objects, over milliseconds a cell."""
+    """A column for each scene: above over-estimation, below missed objects, against milliseconds for a view cell."""
     scenes = list(dict.fromkeys(results.tables.scene))
     figure, all_axes = plt.subplots(2, len(scenes), figsize=(3.1 * len(scenes) + .8, 6.4), squeeze=False, layout="constrained", sharex="col")
     for i, (scene, (above, below)) in enumerate(zip(scenes, all_axes.T)):
@@ -173,7 +173,7 @@ def draw_tiers(results):
 
 
 def draw_accuracy(results):
-    """Over-estimation on the dense city: over raster, view cell and triangle size, and by kind of occluder."""
+    """Over-estimation on the dense city: against raster, view cell and triangle size, and by kind of occluder."""
     failures = results.failures
     studies = set(failures.study)
     figure, all_axes = plt.subplots(1, 4, figsize=(15, 3.9), layout="constrained", width_ratios=(1, 1, 1, 1.2))
@@ -231,10 +231,10 @@ CHARTS = {
 # ---- the page --------------------------------------------------------------------------------------------------------------
 
 HOW_TO_READ = """For view cells spread over each scene, a producer classifies every object: it is proven <b>hidden</b>, proven <b>seen</b>, or neither. The
-<b>reference</b> is the set of objects that about four million rays from a cell or any producer saw. It is smaller than the true visible set, so
-<b>over-estimation</b>, the number of objects not proven hidden over the reference, looks worse than it is. <b>Found</b> is the share of the
+<b>reference</b> is the set of objects that at least one of about four million rays from the view cell, or any producer, saw. It is smaller than the true visible set, so
+<b>over-estimation</b>, the number of objects not proven hidden divided by that of the reference, looks worse than it is. <b>Found</b> is the share of the
 reference that was proven seen. <b>Undecided</b> objects are neither hidden nor seen, as a share of all objects of the scene. <b>Wrongly hidden</b>
-objects are reported hidden although they are in the reference; a program ends with an error if there is one. Milliseconds are processor time of
+objects are reported hidden although they are in the reference; bench ends with an error if there is one. Milliseconds are processor time of
 one thread, so other work on the machine does not count, although it may slow caches and shared cores. They do not include the preparation of
 the scene. Published figures are in italics."""
 
@@ -243,18 +243,18 @@ def sections(results):
     """As report_tools.as_text wants them."""
     goals = table_of_goals(results)
     yield ("Over-estimation and missed objects against milliseconds for a view cell", "",
-           ["visibility_tiers", *([("The goals of the project, on the dense city", goals)] if len(goals) else []),
+           ["visibility_tiers", *([("Goals that we set before measuring, on the dense city", goals)] if len(goals) else []),
             ("Comparison with the published figures", table_beside_published(results))])
-    yield ("Projection points", "Mean number of objects not hidden at effort 0 from one point of the cell; in brackets the change against a random point.",
+    yield ("Projection points", "Mean number of objects not hidden at effort 0 from one point of the view cell; in brackets the change against a random point.",
            [("", table_of_points(results))])
     if results.failures is not None:
         yield "What accuracy depends on", "", ["visibility_accuracy", ("", table_of_failures(results, ["raster", "cell", "triangles", "occluders"]))]
-        yield ("Where producers fail", "A wall in front of a cell of 2 m, with 81 boxes behind it. For far coordinates, a city of 8 x 8 squares is moved.",
+        yield ("Where producers fail", "A wall in front of a view cell of 2 m, with 81 boxes behind it. For far coordinates, a city of 8 x 8 squares is moved.",
                [("", table_of_failures(results, [name for name in dict.fromkeys(results.failures.study) if name not in ("raster", "cell", "triangles", "occluders")]))])
     if results.detail is not None:
-        yield ("Levels of detail", "The distance between vertices of the finest level and the level that is drawn, seen from the corners of the cell, in pixels of a picture of 1920 x 1080.", [("", table_of_detail(results))])
+        yield ("Levels of detail", "The distance between vertices of the finest level and the level that is drawn, seen from the corners of the view cell, in pixels of a picture of 1920 x 1080.", [("", table_of_detail(results))])
     if results.octree is not None:
-        yield "The adaptive octree", "Excess is the mean number of triangles in the cells that the limit on levels stopped, over the threshold.", [("", table_of_octree(results))]
+        yield "The adaptive octree", "A view cell is divided as long as it sees more triangles than the threshold. The limit on levels stopped some of the smallest above it; excess is the mean number of their triangles divided by the threshold.", [("", table_of_octree(results))]
     yield "Every setting", "", [(scene, table_of_runs(results, scene)) for scene in dict.fromkeys(results.tables.scene)]
 
 

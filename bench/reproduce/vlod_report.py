@@ -18,12 +18,12 @@ import report_tools as tools
 from report_tools import BLUE, GREEN, GREY, LIGHT_BLUE, LIGHT_GREY, ORANGE, RED, bare, legend_below, panels, plain_ticks
 
 PLAIN = {"bit masks", "ids of 32 bits", "pairs of 32 bits", "lzw of 32 bits"}
-ORDERS = {"random": "random", "printed": "as printed (6.1)", "best": "best"}
+ORDERS = {"random": "random", "printed": "published method", "best": "best"}  # that of section 6.1
 
 
 @dataclass
 class Results:
-    """A table of each program, as it wrote them, and the published figures."""
+    """The tables as the verbs of bench and `vismat compare` wrote them, and the published figures."""
     codes: pd.DataFrame            # bench vlod-tables: differences, a line for each code
     compare: pd.DataFrame          # vismat compare
     distinct: pd.DataFrame | None  # vismat compare --distinct
@@ -38,7 +38,7 @@ def load(out):
 
 
 def with_ratios(compare):
-    """The table of vismat compare and what follows from it: ratio to the bitmap, bits an entry, rates."""
+    """The table of vismat compare and what follows from it: ratio to the bitmap, bits for each entry, rates."""
     table = compare.copy()
     table["bitmap"] = table.rows * ((table["columns"] + 7) // 8)
     table["ratio"] = table.bitmap / table.bytes
@@ -51,26 +51,29 @@ def with_ratios(compare):
 
 # ---- tables ----------------------------------------------------------------------------------------------------------------
 
+IDS, PAIRS = "ids of 32 bits:\ntimes smaller\nthan bit masks", "pairs of 32 bits:\ntimes smaller\nthan bit masks"
+DELIMITER, OVERALL = "delimiter:\ntimes smaller\nthan pairs", "delimiter:\ntimes smaller\nthan bit masks"
+LZW_32, LZW = "delimiter:\nsmaller than LZW\nof 32 bits by", "delimiter:\nsmaller than LZW\nof varints by"
+
+
 def table_2(results):
-    """Ours beside the published figures: how much smaller runs are than bit masks, and the delimiter code than runs."""
+    """Ours beside the published figures: how many times smaller pairs are than bit masks, and the delimiter code than pairs."""
     words = results.published.words
-    rows = [{"differences": "UNC power plant", "order": "published", "density": "about .5 %", "ids a run": "about 2.8",
-             "ids of 32 bits\nover bit masks": words.ids_over_bitmask, "pairs of 32 bits\nover bit masks": words.pairs_over_bitmask,
-             "delimiter\nover pairs": words.delimiter_over_pairs, "overall": words.overall, "smaller than LZW\n(of 32 bits) by": words.smaller_than_lzw, "than LZW\n(of varints) by": "",
-             "decoded faster\nthan LZW": words.times_faster_than_lzw, "bytes a\ndifference": words.bytes_a_difference,
-             "decode\none, us": words.decode_us}]
+    rows = [{"differences": "UNC power plant", "order": "published", "density": "about 0.5 %", "ids per\nrun": "about 2.8",
+             IDS: words.ids_over_bitmask, PAIRS: words.pairs_over_bitmask, DELIMITER: words.delimiter_over_pairs, OVERALL: words.overall,
+             LZW_32: words.smaller_than_lzw, LZW: "", "times as fast\nto decode\nas LZW": words.times_faster_than_lzw,
+             "bytes per\ndifference": words.bytes_a_difference, "us to\ndecode one": words.decode_us}]
     for (matrix, order), group in results.codes.groupby(["matrix", "order"], sort=False):
         of = group.set_index("code")
         first, delimiter, lzw = group.iloc[0], of.loc["delimiter"], of.loc["pair-lzw"]
         pairs = of.bytes["pairs of 32 bits"]
         rows.append({"differences": matrix, "order": ORDERS[order], "density": f"{first.ones / first.rows / first['columns']:.2%}",
-                     "ids a run": f"{first.ones / first.runs:.2f}",
-                     "ids of 32 bits\nover bit masks": f"{first.bitmask_bytes / of.bytes['ids of 32 bits']:.2f}",
-                     "pairs of 32 bits\nover bit masks": f"{first.bitmask_bytes / pairs:.2f}",
-                     "delimiter\nover pairs": f"{pairs / delimiter.bytes:.2f}", "overall": f"{first.bitmask_bytes / delimiter.bytes:.1f}",
-                     "smaller than LZW\n(of 32 bits) by": f"{1 - delimiter.bytes / of.bytes['lzw of 32 bits']:.0%}",
-                     "than LZW\n(of varints) by": f"{1 - delimiter.bytes / lzw.bytes:.0%}", "decoded faster\nthan LZW": f"{lzw.decode_us / delimiter.decode_us:.1f}",
-                     "bytes a\ndifference": f"{delimiter.bytes / first.differences:,.0f}", "decode\none, us": f"{delimiter.decode_us:.2f}"})
+                     "ids per\nrun": f"{first.ones / first.runs:.2f}",
+                     IDS: f"{first.bitmask_bytes / of.bytes['ids of 32 bits']:.2f}", PAIRS: f"{first.bitmask_bytes / pairs:.2f}",
+                     DELIMITER: f"{pairs / delimiter.bytes:.2f}", OVERALL: f"{first.bitmask_bytes / delimiter.bytes:.1f}",
+                     LZW_32: f"{1 - delimiter.bytes / of.bytes['lzw of 32 bits']:.0%}", LZW: f"{1 - delimiter.bytes / lzw.bytes:.0%}",
+                     "times as fast\nto decode\nas LZW": f"{lzw.decode_us / delimiter.decode_us:.1f}",
+                     "bytes per\ndifference": f"{delimiter.bytes / first.differences:,.0f}", "us to\ndecode one": f"{delimiter.decode_us:.2f}"})
     return pd.DataFrame(rows)
 
 
@@ -79,21 +82,21 @@ def tables_of_codes(results, order="best"):
     tables = {}
     for matrix, group in results.codes[results.codes.order == order].groupby("matrix", sort=False):
         first = group.iloc[0]
-        rows = [{"code": row.code, "bytes": f"{row.bytes:,.0f}", "over\nbit masks": f"{first.bitmask_bytes / row.bytes:.1f}x",
-                 "bits an id": f"{8 * row.bytes / row.ones:.2f}", "bytes a\ndifference": f"{row.bytes / row.differences:,.1f}",
-                 "encode\nus": "" if row.code in PLAIN else f"{row.encode_us:.2f}", "decode\nus": "" if row.code in PLAIN else f"{row.decode_us:.2f}",
-                 "fastest to\nslowest us": "" if row.code in PLAIN else f"{row.decode_us_least:.2f} to {row.decode_us_most:.2f}"} for row in group.itertuples()]
-        tables[f"{matrix}: {first.differences:,.0f} differences over {first['columns']:,} columns, order {order}"] = pd.DataFrame(rows)
+        rows = [{"code": row.code, "bytes": f"{row.bytes:,.0f}", "times smaller\nthan bit masks": f"{first.bitmask_bytes / row.bytes:.1f}x",
+                 "bits\nper id": f"{8 * row.bytes / row.ones:.2f}", "bytes per\ndifference": f"{row.bytes / row.differences:,.1f}",
+                 "us to\nencode": "" if row.code in PLAIN else f"{row.encode_us:.2f}", "us to\ndecode": "" if row.code in PLAIN else f"{row.decode_us:.2f}",
+                 "least to most\nus to decode": "" if row.code in PLAIN else f"{row.decode_us_least:.2f} to {row.decode_us_most:.2f}"} for row in group.itertuples()]
+        tables[f"{matrix}: {first.differences:,.0f} differences over {first['columns']:,} columns in the order {order}"] = pd.DataFrame(rows)
     return tables
 
 
-COMPARED = {"bytes": ("bytes", "{:,.0f}"), "ratio to the bitmap": ("ratio", "{:.2f}"), "bits a visible entry": ("bits", "{:.3f}"),
+COMPARED = {"bytes": ("bytes", "{:,.0f}"), "ratio to the bitmap": ("ratio", "{:.2f}"), "bits per visible entry": ("bits", "{:.3f}"),
             "encode, MB/s of bitmap": ("encode_mb_s", "{:,.1f}"), "decode, GB/s of bitmap": ("gb_s", "{:.3f}"),
             "decode, M ids/s": ("ids_s", "{:,.0f}"), "one row, us, median": ("row_p50_us", "{:.2f}"), "one row, us, 99th percentile": ("row_p99_us", "{:.2f}")}
 
 
 def blocks_of_comparison(compare, measures=tuple(COMPARED)):
-    """Codecs by matrices and orders, a table for each measure; the bytes of the permutations stand on a line of their own."""
+    """Codecs by matrices and orders, a table for each measure; the bytes of the orders stand on a line of their own."""
     table = with_ratios(compare)
     names = list(dict.fromkeys(zip(table.matrix, table.order)))
     blocks = {}
@@ -109,7 +112,7 @@ def blocks_of_comparison(compare, measures=tuple(COMPARED)):
                 row[f"{matrix}\n{order}".replace(", distinct", "\ndistinct")] = "-" if pd.isna(value) else form.format(value * scale)
             rows.append(row)
         if measure == "bytes":
-            rows.append({"codec": "(names of the order)"} | {f"{m}\n{o}".replace(", distinct", "\ndistinct"):
+            rows.append({"codec": "(order of rows and columns)"} | {f"{m}\n{o}".replace(", distinct", "\ndistinct"):
                         f"{table[(table.matrix == m) & (table.order == o)].permutation_bytes.iloc[0]:,.0f}" for m, o in names})
         blocks[measure] = pd.DataFrame(rows)
     return blocks
@@ -174,7 +177,7 @@ def draw_pareto(results, columns=2, matrices=None):
             labels.append((row.ids_s / 1e6, row.ratio, codec, colour))
         edge = front(after.reset_index())
         axes.step(edge.ids_s / 1e6, edge.ratio, where="pre", color="black", linewidth=1, linestyle=":", zorder=2)
-        axes.set(xscale="log", yscale="log", xlabel="decoding speed, million visible entries a second (slower codecs at the left edge)", ylabel="times smaller than the bitmap")
+        axes.set(xscale="log", yscale="log", xlabel="decoding speed, million visible entries per second (slower codecs at the left edge)", ylabel="times smaller than the bitmap")
         plain_ticks(axes.yaxis, "x", (1, 2, 3, 5))
         plain_ticks(axes.xaxis, "", (1, 2, 5))
         all_labels.append((axes, labels))
@@ -242,7 +245,7 @@ def draw_walk(results, codecs=("delimiter", "pair-lzw", "gzip-rows", "roaring"))
 
 
 def draw_failures(results):
-    """The bytes of the rows that are worst, by codec and kind of row."""
+    """The bytes of worst-case rows, by codec and kind of row."""
     wide = results.failures.pivot_table(index="codec", columns="row", values="of_bitmap", sort=False)
     figure, axes = plt.subplots(figsize=(1.05 * len(wide.columns) + 2, .3 * len(wide) + 1.6), layout="constrained")
     image = axes.imshow(numpy.log2(wide.clip(lower=2**-7)), cmap="RdBu_r", vmin=-4, vmax=4, aspect="auto")
@@ -259,7 +262,7 @@ def draw_failures(results):
 
 
 CHARTS = {
-    "pareto": ("Ratio against decoding speed, with a panel for each matrix and a mark for each codec. Of a filled mark any row can be read alone", draw_pareto),
+    "pareto": ("Ratio against decoding speed, with a panel for each matrix and a mark for each codec. Codecs with a filled mark read single rows", draw_pareto),
     "table_2": ("Table 2 of Chhugani et al. 2005 on our differences: how many times smaller than bit masks, by the order of the columns", draw_table_2),
     "walk": ("Figs. 9 and 14 of Chhugani et al. 2005: bytes of the differences along a walk, and their distribution", draw_walk),
     "failures": ("Bytes of a row of 8192 columns, by kind of row, in multiples of its bitmap", draw_failures),
@@ -269,25 +272,26 @@ CHARTS = {
 # ---- the page --------------------------------------------------------------------------------------------------------------
 
 HOW_TO_READ = """A <b>difference</b> holds what appears and what vanishes between two view cells that touch: two lists of ids, which are stored as
-<b>pairs</b> of a gap and a run length in one of several codes. <b>Bit masks</b> take one bit for each column. Times are medians on one core for
+<b>pairs</b> of a gap and a run length in one of several codes. <b>Ids of 32 bits</b> store each column number in 4 bytes, <b>pairs of 32
+bits</b> each gap and each run length. <b>Bit masks</b> take one bit for each column. Times are medians on one core for
 decoding all rows one after another into one buffer; <b>one row</b> is the time of a single row, read in shuffled order. Bytes are the payload and
-the row index. The bytes that name the permutations stand on a line of their own, since a scene whose objects may be renumbered
-needs none. Published figures are in italics."""
+the row index. The bytes of the <b>order of rows and columns</b> stand on a line of their own, since a scene whose view cells and objects
+may be renumbered needs none. Published figures are in italics."""
 
 
 def sections(results):
     """As report_tools.as_text wants them."""
-    yield ("Differences: Table 2", "Our figures beside the published ones. The ratios depend on the density of the lists and on the ids in a run: where both are near "
-           "those of the paper, the ratios are too. A small power plant is denser than the whole, since the boundary of a region grows like the root of its area.",
+    yield ("Differences: Table 2", "Our figures beside the published ones. The ratios depend on the density of the lists and on the ids per run: where both are near "
+           "those of the paper, the ratios are too. The published method of ordering is that of section 6.1. A small power plant is denser than the whole, since the boundary of a region grows like the root of its area.",
            [("", table_2(results)), "table_2", *tables_of_codes(results).items()])
     yield ("Ratio against decoding speed", "Whole-file compressors decode everything at once; the other codecs decode any row alone.", ["pareto"])
     yield "Every codec on every matrix", "", list(blocks_of_comparison(results.compare).items())
     if results.distinct is not None:
-        yield ("Equal columns stored once", "Faces of a level that are seen from the same cells become one column; the line with the names of the order includes the map from faces to columns.",
+        yield ("Equal columns stored once", "Faces of a level that are seen from the same view cells become one column; the line with the order of rows and columns includes the map from faces to columns.",
                list(blocks_of_comparison(results.distinct, ("bytes", "ratio to the bitmap")).items()))
     if results.walk is not None:
-        yield "Along a walk", "A viewer walks from a cell to one that touches it; the chart shows the bytes that it loads at each boundary.", ["walk"]
-    yield ("Rows that are worst", "Our codecs store a row as its bitmap where a code would be larger, so that no row takes more than its bitmap.", ["failures", ("Bytes as a share of the 1024 bytes of the bitmap, and the row that is slowest to decode", table_of_failures(results))])
+        yield "Along a walk", "A viewer walks from view cell to view cell, always to one that touches; the chart shows the bytes that it loads at each boundary.", ["walk"]
+    yield ("Worst-case rows", "Our codecs store a row as its bitmap where a code would be larger, so no row takes more than its bitmap.", ["failures", ("Bytes as a share of the 1024 bytes of the bitmap, and the row that is slowest to decode", table_of_failures(results))])
 
 
 def main(out="out", records=None):

@@ -2,7 +2,7 @@
 # zach2003    Tables 1 and 2 of Zach and Karner 2003; --full takes every level that Debian packages
 . "$(dirname "$0")/shared.sh"
 
-# The matrices of these tables are over the nodes of a tree of boxes, and bear the levels' names alone.
+# The columns of these matrices are the nodes of a tree of boxes, although their names do not say so.
 own=out/zach2003/$([ -n "$full" ] && echo full || echo short)/.matrices
 
 # import_level PLACE [PACKAGE]: a level's matrices, PACKAGE to tell namesakes apart. A Doom level has no faces.

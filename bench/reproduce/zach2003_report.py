@@ -19,12 +19,12 @@ from report_tools import OURS, THEIRS, bare, name_of, plain_ticks
 
 # What the paper calls each row of Table 2. It measured Huffman codes for methods 3 and 4 after the greedy order of the view
 # cells, so those are compared; it only calculated what arithmetic coding would give (13-15 % less for method 3), and only
-# mentioned the order by neighbours alone (4.2).
+# mentioned the order by neighbours alone (section 4.2).
 METHODS = {"gzip": "gzip", "bzip2": "bzip2", "zach0": "method 0", "zach1": "method 1", "zach2": "method 2",
            "zach3": "method 3", "zach4": "method 4"}
 OURS_ONLY = {"zach3-neighbours": "method 3, neighbours", "zach3-range": "method 3, range coder",
              "zach4-range": "method 4, range coder", "quake-rle": "Quake RLE"}
-# Our codec and cell order for each of them: gzip and bzip2 read the cells as they stand, methods 0 to 2 do not mind.
+# Our codec and order of view cells for each of them: gzip and bzip2 take the natural order, methods 0 to 2 do not depend on it.
 MEASURED = {("zach3-huffman", "greedy"): "zach3", ("zach4-huffman", "greedy"): "zach4", ("zach3-range", "greedy"): "zach3-range",
             ("zach4-range", "greedy"): "zach4-range", ("zach3-huffman", "neighbours"): "zach3-neighbours",
             **{(codec, "natural"): codec for codec in ("bitmap", "quake-rle", "gzip", "bzip2", "zach0", "zach1", "zach2")}}
@@ -34,7 +34,7 @@ FAR = 4 / 3  # a ratio further than this from the published one is explained in 
 
 @dataclass
 class Results:
-    """scenes: Table 1, sizes: Table 2 with a row a matrix and codec; each ours and as published, the same columns.
+    """scenes: Table 1, sizes: Table 2 with a row for each matrix and codec; each ours and as published, the same columns.
     structure: what table_structure.py measured of each matrix."""
     scenes: pd.DataFrame
     sizes: pd.DataFrame
@@ -72,7 +72,7 @@ def load(out):
 # ---- tables ----------------------------------------------------------------------------------------------------------------
 
 def table1(results):
-    """Scene characteristics, a row a scene: ours and, where the paper has it, the published one below."""
+    """Scene characteristics, with rows for each scene: ours and, where the paper has it, the published one below."""
     rows = []
     for name in [*SCENES, *results.levels]:
         for whose, table in (("ours", results.scenes), ("published", results.published_scenes)):
@@ -114,12 +114,12 @@ def contents(results):
     """What the bytes of each row of Table 2 hold: pairs of a row's name and words."""
     holds = results.sizes["payload_contains"].groupby(level="codec").first()
     return [*((label, holds[codec]) for codec, label in {**METHODS, **OURS_ONLY}.items() if codec in holds),
-            ("on lines of their own", "the order of the cells (log2 n! bits), the node index (a varint a part)"),
-            ("in no figure", "the tree, which the client has, and the geometry of the view cells")]
+            ("on lines of their own", "the order of the view cells (log2 n! bits), the node index (a varint for each part)"),
+            ("not counted", "the tree, which a program that draws the scene has anyway, and the geometry of the view cells")]
 
 
 def table2_levels(results):
-    """Real levels, a row each: the table's bytes and each method's ratio; * marks the smallest of what the paper compares."""
+    """Real levels, with a row for each: the table's bytes and each method's ratio; * marks the smallest of what the paper compares."""
     rows = []
     for name in results.levels:
         ratios = {codec: results.sizes["ratio"].get((name, codec)) for codec in (*METHODS, *OURS_ONLY)}
@@ -157,19 +157,19 @@ def other_rankings(results):
         for i, later in enumerate(expected):
             for earlier in expected[:i]:
                 if sizes[later] < sizes[earlier]:
-                    rows.append({"scene": name, "pair": f"{later} before {earlier}", "smaller by, %": 100 * (1 - sizes[later] / sizes[earlier]),
+                    rows.append({"scene": name, "pair": f"{later} smaller than {earlier}", "smaller by, %": 100 * (1 - sizes[later] / sizes[earlier]),
                                  "table, kB": sizes["bitmap"] / 1e3, **results.structure.loc[name]})
     return pd.DataFrame(rows, columns=["scene", "pair", "smaller by, %", "table, kB", *results.structure.columns])
 
 
 def structure_with_and_without(results):
-    """For each pair of other_rankings: medians over the levels where it is turned round, and over the other levels."""
+    """For each pair of other_rankings: medians over the levels that have it, and over the other levels."""
     turned = other_rankings(results)
     levels = results.structure.loc[results.levels].drop(columns="bzip2_distinct")
     levels["table, kB"] = results.sizes["bytes"].xs("bitmap", level="codec") / 1e3
     rows = [{"pair": pair, "": whose, "levels": len(part), **part.median()}
             for pair, group in turned[turned["scene"].isin(results.levels)].groupby("pair")
-            for whose, part in (("turned", levels.loc[group["scene"]]), ("as published", levels.drop(group["scene"])))]
+            for whose, part in (("other order", levels.loc[group["scene"]]), ("published order", levels.drop(group["scene"])))]
     return pd.DataFrame(rows)
 
 
@@ -199,7 +199,7 @@ def cost_of_repeats(results):
 # ---- charts ----------------------------------------------------------------------------------------------------------------
 
 def draw_ratios(results):
-    """Bars, a panel an artificial scene: our ratio beside the published one."""
+    """Bars, with a panel for each artificial scene: our ratio beside the published one."""
     figure, panels = plt.subplots(1, max(1, len(results.artificial)), figsize=(5.6 * max(1, len(results.artificial)), 4),
                                   squeeze=False, layout="constrained")
     for axes, name in zip(panels[0], results.artificial):
@@ -221,7 +221,7 @@ def draw_ratios(results):
 
 
 def draw_levels(results):
-    """A dot a level and method, the median as a bar; the paper's two real scenes beside them."""
+    """A dot for each level and method, and a bar at the median; the paper's two real scenes beside them."""
     methods = {**METHODS, **OURS_ONLY}
     figure, axes = plt.subplots(figsize=(10, 4.6), layout="constrained")
     bare(axes)
@@ -249,7 +249,7 @@ def draw_levels(results):
 
 
 def draw_bytes_against_visibility(results):
-    """Each matrix's bytes over how much of it is visible: the table, gzip and method 3 on one vertical line."""
+    """Each matrix's bytes against its average visibility: the table, gzip and method 3 on one vertical line."""
     figure, axes = plt.subplots(figsize=(9, 6.4), layout="constrained")
     bare(axes)
     markers = {"bitmap": "_", "gzip": "x", "zach3": "o"}
@@ -277,7 +277,7 @@ def draw_bytes_against_visibility(results):
     axes.set_ylabel("bytes")
     axes.grid(which="major", color="#e6e6e6")
     handles = [plt.Line2D([], [], marker=marker, ls="", color=OURS["facecolor"], label=label)
-               for marker, label in (("_", "table, 1 bit an entry"), ("x", "gzip"), ("o", "method 3"))]
+               for marker, label in (("_", "table, 1 bit for each entry"), ("x", "gzip"), ("o", "method 3"))]
     handles.append(plt.Line2D([], [], marker="o", ls=":", color="#333333", mfc="white", label="published 2003"))
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=4, frameon=False)
     return figure
@@ -308,16 +308,16 @@ CHARTS = {
 
 # ---- the page --------------------------------------------------------------------------------------------------------------
 
-HOW_TO_READ = """A visibility matrix has a row for each view cell and a column for each node of a hierarchy over the scene's
-objects; a one says that the node may be seen from the cell. <b>Table size</b> is one bit for each entry, with rows padded to bytes.
+HOW_TO_READ = """A visibility matrix has a row for each view cell and a column for each node of a tree over the scene's objects; a one
+says that the node may be seen from the view cell. <b>Table size</b> is one bit for each entry, with rows padded to bytes.
 Each other figure is the bytes of a payload that was decoded again and compared; in brackets, how many times smaller than the table
 that is (5.2x: the table takes 5.2 times as much). gzip and bzip2 compress the whole table; methods 0 to 4 store each node's
-visibility on its own. Before methods 3 and 4 the view cells are reordered. Naming that order takes bytes, and so does an index of
+visibility on its own. For methods 3 and 4 the view cells are reordered first. That order takes bytes, and so does an index of
 where each node's part begins, if the parts are kept in one file: both stand on lines of their own and, as in the paper, in no
 other figure. The range-coded variants are what the paper calculated but did not build. <b>Published</b> figures (hatched or hollow
 in the charts) are of other data: we rebuilt the artificial scenes from the paper's description, the city of Graz is not available,
-and the levels are ours alone. A level's rows are its clusters or sectors, and its columns are the nodes of a tree of bounding boxes
-over its clusters, sectors or faces."""
+and the paper has no levels of games. A level's view cells are its clusters (Quake) or sectors (Doom); its columns are the nodes of a
+tree of bounding boxes over its view cells (NAME.cells) or faces (NAME.faces)."""
 
 
 def sections(results):

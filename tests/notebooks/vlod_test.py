@@ -35,7 +35,7 @@ class Vlod(pages.Pages):
         self.execute("vlod2005", 3, ("34.2", "over 35 %", "delimiter", "alternating", "power-plant"))
 
     def test_notebook_of_the_front(self):
-        self.execute("pareto", 1, ("bits a visible entry", "zpaq", "distinct columns"))
+        self.execute("pareto", 1, ("bits per visible entry", "zpaq", "distinct columns"))
 
     def test_report_needs_no_other_file_and_is_kept(self):
         self.report("vlod", 4, ("34.2", "pair-ans", "power-plant", "alternating"))
