@@ -89,10 +89,12 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_cells_options(const Verb& verb, CellsWords& words) {
-  verb.option("--cells", words.cells,
-              "The view cells. file: those of the scene file; grid:SIZE or grid:X,Y,Z: boxes of that size in "
-              "metres; ground: triangles of the ground, or ground:HEIGHT where the scene has no ground; "
-              "octree:TRIANGLES[:LEVELS]: boxes that are divided while more triangles are visible from them");
+  verb.option(
+      "--cells", words.cells,
+      "The view cells. file: those of the scene file; grid:SIZE or grid:X,Y,Z: boxes of that size in "
+      "metres; ground: triangles of the ground, or ground:HEIGHT where the scene has no ground; "
+      "octree:TRIANGLES[:LEVELS]: boxes that are divided as long as more than TRIANGLES triangles are "
+      "visible from them, at most LEVELS times");
   verb.option(
       "--region", words.region,
       "Where view cells may be: x,y,z,x,y,z, the low corner and the high one (default: the scene's bounds)");

@@ -148,14 +148,14 @@ void add_deltas(Program& program) {
   const Option neighbours =
       verb.option("--neighbours", options->neighbours,
                   "Which view cells are neighbours. given: as the matrix file says; boxes: those whose boxes "
-                  "share a face; tree: those joined by the spanning tree of nearest rows (6 s for 25,000 "
-                  "rows, four times as long for twice as many); auto: the first of these that is known")
+                  "share a face; tree: those joined by the spanning tree of nearest rows, whose time grows "
+                  "with the square of the number of rows; auto: the first of these that is known")
           .one_of({"given", "boxes", "tree", "auto"});
   verb.flag("--undo", options->undo,
             "Restore the view cells: the same matrix, and which of them are neighbours")
       .excludes(neighbours);
-  verb.example("vismat deltas city.bsp.h5 -o deltas.bsp.h5");
-  verb.example("vismat deltas --undo deltas.bsp.h5 -o cells.bsp.h5");
+  verb.example("vismat deltas city.bsp.h5 -o differences.bsp.h5");
+  verb.example("vismat deltas --undo differences.bsp.h5 -o cells.bsp.h5");
   verb.runs([options] { options->undo ? undo(*options) : make(*options); });
 }
 

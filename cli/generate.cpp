@@ -42,8 +42,13 @@ void run(const Arguments& arguments) {
 void add_generate(Program& program) {
   const auto arguments = std::make_shared<Arguments>();
   const Verb verb = program.verb(
-      "generate", "Make a random matrix like those of a power plant or a city, with up to 10^9 ones");
-  verb.option("SCENE", arguments->scene, "power-plant or city").required().one_of({"power-plant", "city"});
+      "generate",
+      "Make a random matrix of differences, without a scene, like those of the power plant and the city of "
+      "Chhugani et al. 2005, with up to 10^9 ones");
+  verb.option("MODEL", arguments->scene,
+              "Which scene of Chhugani et al. 2005 the matrix imitates (no scene is made)")
+      .required()
+      .one_of({"power-plant", "city"});
   verb.option("--scale", arguments->scale, "Size as a share of the published scene's").between(1e-4, 1);
   verb.flag("--harder", arguments->harder,
             "Make a less redundant matrix, in which view cells have less in common");
@@ -53,7 +58,7 @@ void add_generate(Program& program) {
       "Rows are boundaries between view cells; columns are the objects that appear or vanish there. --scale "
       "1 makes the sizes of Chhugani et al. 2005: 350,000 x 400,000 (5.2e8 ones, which takes 4.2 GB of "
       "memory) and 700,000 x 790,000 (1.0e9 ones, 8 GB).");
-  verb.example("vismat generate power-plant --scale 0.0625 -o plant.bsp.h5");
+  verb.example("vismat generate power-plant --scale 0.0625 -o power-plant.bsp.h5");
   verb.runs([arguments] { run(*arguments); });
 }
 

@@ -62,11 +62,12 @@ void add_import(Program& program) {
   verb.option("LEVEL", arguments->level, "The level").required();
   verb.output(arguments->output, "The matrix file to write (.bsp.h5 or .mtx)");
   verb.option("--matrix", arguments->matrix,
-              "The columns: cells (clusters or sectors) or, of Quake levels, faces")
+              "What the columns are: cells (Quake's clusters, Doom's sectors), or faces (Quake only)")
       .one_of({"cells", "faces"});
   verb.option("--tree", arguments->tree,
-              "The tree over the columns: none, one of their bounds with four children a node, or the "
-              "level's own")
+              "The tree over the columns. none; bounds: a tree of bounding boxes with four children for each "
+              "node; "
+              "level: the level's own BSP tree")
       .one_of({"none", "bounds", "level"});
   verb.flag("--nodes", arguments->nodes, "Make the tree's nodes the columns");
   verb.option("--scene", arguments->scene,

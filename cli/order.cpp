@@ -208,7 +208,7 @@ void add_order(Program& program) {
             "Give the rows of a square matrix the same order as its columns");
   verb.option("--seed", options->order.seed, "Seed of the methods that draw random numbers");
   verb.option("--seconds", options->order.seconds,
-              "Improve tours for this long; 0: by a fixed number of changes");
+              "Improve tours for this long; 0: until a fixed number of changes has been tried");
   verb.option("--bound", options->bound,
               "Lower bound on the number of runs in any order: none, quick (seconds; a minute for 25,000 "
               "columns), or tight")

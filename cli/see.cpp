@@ -198,7 +198,7 @@ void run(const Arguments& arguments) {
 void add_producers(const Verb& verb, Arguments& arguments) {
   std::vector<std::string> names;
   for (const Producer& producer : producers()) names.emplace_back(producer.name);
-  verb.option("--producer", arguments.producer, "How; see below").one_of(names);
+  verb.option("--producer", arguments.producer, "Method; see below").one_of(names);
   for (const ProducerOption& option : producer_options()) {
     const std::string help = std::string(option.help) + " (" + takers_of(option) + "; default " +
                              (option.by_default.empty() ? "by effort" : std::string(option.by_default)) + ")";
@@ -208,7 +208,7 @@ void add_producers(const Verb& verb, Arguments& arguments) {
   }
 }
 
-/// A line a producer.
+/// One line for each producer.
 std::string ideas() {
   std::string text;
   for (const Producer& producer : producers()) {

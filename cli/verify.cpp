@@ -1,4 +1,4 @@
-// vismat verify: proves row by row that a lossy matrix hides nothing that its original shows, or checks entries of a matrix against
+// vismat verify: proves row by row that a merged matrix hides nothing that its source shows, or checks entries of a matrix against
 // its scene.
 #include <cstdio>
 #include <filesystem>
@@ -96,10 +96,10 @@ void add_verify(Program& program) {
   const auto options = std::make_shared<Options>();
   const Verb verb = program.verb(
       "verify",
-      "Prove that a lossy matrix hides nothing that its original shows, or check a matrix against its scene");
+      "Prove that a merged matrix hides nothing that its source shows, or check a matrix against its scene");
   verb.option("MATRIX", options->matrix, "The matrix to verify (.bsp.h5, .mtx or .vmat)").required();
-  const Option original =
-      verb.option("ORIGINAL", options->original, "The matrix that it was made from (.bsp.h5, .mtx or .vmat)");
+  const Option original = verb.option("ORIGINAL", options->original,
+                                      "Its source, the matrix that was merged (.bsp.h5, .mtx or .vmat)");
   const Option scene =
       verb.option("--witness", options->scene,
                   "Check entries against this scene file, by sight lines and occluders, in exact arithmetic")

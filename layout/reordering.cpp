@@ -40,7 +40,8 @@ constexpr std::array<Reordering, 12> table = {{
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return order_rows_greedily(transpose(m), begin_stage(o.stages, "greedy order"));
      }},
-    {"exact-tour", "a tour from the empty column, always to the nearest unvisited one",
+    {"exact-tour",
+     "a tour from the zero point (an added column without ones), always to the nearest unvisited column",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_by_exact_tour(m); }},
     {"sampled-tour",
      "a tour to the nearest of a random sample, improved by edge flips [Chhugani et al. 2005]",
@@ -53,7 +54,8 @@ constexpr std::array<Reordering, 12> table = {{
                                   o.threads);
      }},
     {"scale-tour",
-     "for 10^5 columns: greedy edges among near columns that min-hash finds, improved by 3-opt and by moving "
+     "for 20,000 columns and more: greedy edges among near columns that min-hash finds, improved by 3-opt "
+     "and by moving "
      "random segments",
      [](const VisibilityMatrix& m, const ReorderingOptions& o) {
        return order_by_scale_tour(m, {.nearby = {.seed = o.seed, .stages = o.stages}, .seconds = o.seconds},

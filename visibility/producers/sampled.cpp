@@ -27,7 +27,7 @@ Producer sampled_producer() {
   using O = ProducerOptions;
   Producer producer;
   producer.name = "sampled";
-  producer.idea = "rays, shared between the cells that they cross";
+  producer.idea = "rays, shared between the view cells that they cross";
   producer.guarantee = Guarantee::aggressive;
   producer.options = {&O::effort, &O::rays, &O::seed};
   producer.describe = [](const O& options) { return describe(sampled_options(options)); };

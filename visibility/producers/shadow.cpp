@@ -8,7 +8,7 @@ Producer shadow_producer() {
   using O = ProducerOptions;
   Producer producer;
   producer.name = "shadow";
-  producer.idea = "shrunk shadows of single occluders, joined over patches of a cell's boundary";
+  producer.idea = "shrunk shadows of single occluders, joined over patches of the view cell's surface";
   producer.guarantee = Guarantee::conservative;
   producer.options = {&O::effort, &O::points, &O::patches, &O::resolution, &O::patch_resolution};
   producer.describe = [](const O& options) { return describe(bounds_options(options, false)); };

@@ -27,11 +27,12 @@ std::span<const ProducerOption> producer_options() {
   using O = ProducerOptions;
   static const std::vector<ProducerOption> table = {
       {"effort",
-       "0: shadows of the whole view cell; 1: also rays, and some patches of the cell's boundary; 2: many "
+       "0: shadows of the whole view cell; 1: also rays, and some patches of the view cell's surface; 2: "
+       "many "
        "patches",
        "1", &O::effort},
       {"points", "Number of projection points of a view cell: 1, 9 or 27", "", &O::points},
-      {"patches", "Greatest number of patches of a view cell's boundary to look from", "", &O::patches},
+      {"patches", "Greatest number of patches of a view cell's surface to look from", "", &O::patches},
       {"resolution", "Pixels along a side of each of a view's six faces", "", &O::resolution},
       {"patch-resolution", "The same for patches", "", &O::patch_resolution},
       {"rays", "Greatest number of aimed rays for each view cell and round", "", &O::rays},
