@@ -36,8 +36,8 @@ class BitRows {
   std::vector<std::uint64_t> words_;
 };
 
-/// Number of bits that differ, or some number above `limit` as soon as it is known to be above. Both spans
-/// have the same length. Uses AVX-512 or POPCNT where the machine has them.
+/// The number of bits in which the spans differ, or some number above `limit` as soon as it is known to be above. Both
+/// spans have the same length. Uses AVX-512 or POPCNT where the machine has them.
 std::uint32_t hamming_distance(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                                std::uint32_t limit = 0xffffffff);
 

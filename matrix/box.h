@@ -1,4 +1,4 @@
-// An axis-aligned box, which tells where a view cell or an object is, and what everybody asks of such boxes.
+// An axis-aligned box around a view cell or an object, and what is often asked of such boxes.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -6,13 +6,13 @@
 
 namespace vismat {
 
-/// Axis-aligned, in the scene's units.
+/// An axis-aligned box, in the scene's units.
 struct Box {
   std::array<float, 3> low{}, high{};
   bool operator==(const Box&) const = default;
 };
 
-/// The box of no points: once grown by a point it is that point.
+/// The box around no points. Once grown by a point, it is the box of that point.
 inline constexpr Box empty_box = {
     {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
      std::numeric_limits<float>::infinity()},
@@ -28,12 +28,12 @@ void grow(Box& box, const Point& point) {
   }
 }
 
-/// [0, 0] instead of empty_box: the box that is stored of what has no place.
+/// The same box, but [0, 0] instead of empty_box: what has no place is stored with that box.
 inline Box zero_if_empty(const Box& box) {
   return box.low[0] > box.high[0] ? Box{} : box;
 }
 
-/// The least box around both.
+/// The smallest box around both.
 inline Box box_around(Box a, const Box& b) {
   for (int axis = 0; axis < 3; ++axis) {
     a.low[axis] = std::min(a.low[axis], b.low[axis]);
@@ -42,7 +42,7 @@ inline Box box_around(Box a, const Box& b) {
   return a;
 }
 
-/// Never overflows.
+/// The centre of the box. Never overflows.
 inline std::array<float, 3> centre_of(const Box& box) {
   std::array<float, 3> centre;
   for (int axis = 0; axis < 3; ++axis) centre[axis] = box.low[axis] / 2 + box.high[axis] / 2;

@@ -1,4 +1,4 @@
-// Checks how large a shape a file claims without bytes that back it.
+// Refuses files that claim far more rows or columns than their size supports.
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -9,9 +9,9 @@
 
 namespace vismat {
 
-/// Rows or columns that no byte of the file stands for, such as empty rows in a coordinate list, still cost
-/// memory. Refuses, with a FormatError, more than 2^32 - 1 of either, and more than 2^22 + 64 for each entry
-/// there really is (34 MB of row offsets for an empty file).
+/// Returns the shape that a file claims. Rows and columns for which the file holds no byte, such as empty rows in a
+/// coordinate list, still cost memory. So this refuses, with a FormatError, more than 2^32 - 1 rows or columns, and
+/// more than 2^22 plus 64 for each entry that the file really has (34 MB of row offsets for an empty file).
 inline Shape claimed_shape(std::uint64_t rows, std::uint64_t columns, std::uint64_t entries) {
   const auto check = [&](std::uint64_t claimed, const char* what) {
     constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();

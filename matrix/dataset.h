@@ -1,5 +1,5 @@
-// A visibility matrix with all that is known of it, which is what a `.bsp.h5` file holds: what the rows and columns are, where
-// the matrix came from, how far it can be trusted, and the geometry that goes with it.
+// A visibility matrix with all that is known about it, which is what a `.bsp.h5` file holds: what the rows and columns
+// are, where the matrix came from, how far it can be trusted, and the geometry that goes with it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace vismat {
 
-/// exact: lists what is visible and nothing else. conservative: may list hidden objects, and misses no visible one.
-/// aggressive: may miss visible objects, and lists no hidden one.
+/// Whether the matrix lists what is visible. exact: it lists exactly the visible objects. conservative: it may list
+/// hidden objects, but misses no visible one. aggressive: it may miss visible objects, but lists no hidden one.
 enum class Guarantee { unknown, exact, conservative, aggressive };
 std::string_view to_string(Guarantee guarantee);
 Guarantee guarantee_from_string(
@@ -28,38 +28,39 @@ struct Dataset {
   Guarantee guarantee = Guarantee::unknown;
   std::optional<std::uint64_t> seed;
 
-  // Each is empty where it is not known.
-  std::vector<Box> row_bounds, column_bounds;      // one a row, one a column
+  // Each of the following is empty if it is not known.
+  std::vector<Box> row_bounds, column_bounds;      // a box for each row, and for each column
   std::optional<VisibilityMatrix> row_neighbours;  // rows x rows: which view cells touch
-  /// One for each entry of the matrix, row by row. A sight line proves it: from a point of the view cell to a point of the object (x, y, z
-  /// each). Degree of visibility: the part of all directions that the object takes, in [0, 1]. Both are left out where rows or
-  /// columns change.
+  /// Each of these has an item for each entry of the matrix, row by row, and is left out when rows or columns change. A
+  /// sight line, which proves the entry, runs from a point of the view cell to a point of the object (x, y, z of each).
+  /// The degree of visibility is the share of all directions that the object takes, in [0, 1].
   std::vector<std::array<float, 6>> sight_lines;
   std::vector<float> degree_of_visibility;
-  /// Orders, groups, trees, boundaries, names: how rows and columns relate to those of the source.
+  /// How rows and columns relate to those of the source: orders, groups, trees, boundaries, names.
   SourceMap source;
   bool operator==(const Dataset&) const = default;
 };
 
-/// The same matrix over the tree's nodes instead of its objects (nodes_from_objects), tree kept; a node's box, where
-/// boxes are known, is the least around its objects. Orders, groups and names of the objects cannot follow and are left out.
-/// Needs a tree and columns that are objects.
+/// The same matrix with the tree's nodes as columns instead of its objects (nodes_from_objects); the tree is kept. If
+/// boxes are known, a node's box is the smallest around its objects. Orders, groups and names of the objects have no
+/// meaning for nodes and are left out. Needs a tree and columns that are objects.
 Dataset over_nodes(const Dataset& objects);
 
-/// Rows and columns in a new order, with all that goes by them: boxes, neighbours, and the source map as its own reordered()
-/// says.
+/// The dataset in a new order, with boxes, neighbours and the source map reordered too (see reordered() in
+/// source_map.h).
 Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& columns);
-/// Undoes what the source map's orders tell, and is without them. Rows that are differences stay as they are, and the order of
-/// the view cells with them.
+/// The dataset in the source's order, without stored orders. Rows that are differences stay as they are, and so does
+/// the order of their view cells.
 Dataset in_source_order(Dataset dataset);
 
-/// Rows and columns merged into the groups' unions, with boxes around the members' and what else goes by them; an absent
-/// partition leaves its side as it is. What was exact becomes conservative, what was aggressive unknown. The source map becomes
-/// what its own merged() says. Needs a dataset without boundaries.
+/// The dataset with its rows and columns merged into the unions of the groups; boxes are those around the members', and
+/// neighbours are merged too. Without a partition a side stays as it is. An exact matrix becomes conservative, an
+/// aggressive one unknown. The source map is merged as merged() in source_map.h says. Needs a dataset without
+/// boundaries.
 Dataset merged(Dataset dataset, const std::optional<Partition>& rows,
                const std::optional<Partition>& columns);
-/// The matrix in the source's numbers: each of its rows and columns as its group. Geometry and trees of a merged side are left
-/// out.
+/// The matrix in the source's numbers: each of the source's rows and columns as its group has it. Geometry and trees of
+/// a merged side are left out.
 Dataset in_source_numbers(Dataset dataset);
 
 }  // namespace vismat

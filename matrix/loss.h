@@ -1,4 +1,5 @@
-// Compares a lossy matrix with its original, row by row: what it adds, and whether it hides anything that was visible.
+// Compares a merged (lossy) matrix with its source, here called the original, row by row: what it adds, and whether it
+// hides anything that was visible.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -8,7 +9,7 @@
 
 namespace vismat {
 
-/// Of one row: what the original has visible, and what is visible in the lossy matrix alone.
+/// For one row: how many ones the original has, and how many only the lossy matrix has.
 struct RowLoss {
   std::uint32_t visible = 0, added = 0;
   bool operator==(const RowLoss&) const = default;
@@ -17,8 +18,9 @@ struct RowLoss {
 struct Loss {
   Shape shape;
   std::uint64_t visible = 0;  // ones of the original
-  std::uint64_t added = 0;    // ones of the lossy matrix alone: lost occlusions [Zach & Karner 2003, 4.1]
-  std::uint64_t missing = 0;  // ones of the original alone: nothing may be lost but occlusions
+  std::uint64_t added =
+      0;  // ones that only the lossy matrix has: lost occlusions [Zach & Karner 2003, section 4.1]
+  std::uint64_t missing = 0;  // ones that only the original has: 0 if nothing but occlusions was lost
   struct Entry {
     std::uint32_t row, column;
     bool operator==(const Entry&) const = default;
@@ -26,19 +28,20 @@ struct Loss {
   std::optional<Entry> first_missing;
   std::vector<RowLoss> rows;
 
-  /// Zeros of the original.
+  /// The zeros of the original.
   std::uint64_t hidden() const { return std::uint64_t{shape.rows} * shape.columns - visible; }
-  /// Added ones as a share of the zeros that there were, which is the paper's lost occlusions, and of the ones. 0 where
+  /// The added ones as a share of the original's zeros (the paper's lost occlusions), and as a share of its ones. 0 if
   /// nothing was added.
   double lost() const;
   double added_share() const;
-  /// The share of its zeros that one row lost.
+  /// The share of its zeros that the row lost.
   double lost_in(std::uint32_t row) const;
-  /// The row that lost the greatest share of its own zeros; the first of several. Needs a row.
+  /// The row that lost the greatest share of its own zeros, and the first of these if there are several. Needs a row.
   std::uint32_t worst_row() const;
 };
 
-/// Both as their source numbers them. Throws std::invalid_argument where the shapes differ. O(ones of both).
+/// Compares the two, which must be in the source's numbers. Throws std::invalid_argument if the shapes differ. O(ones
+/// of both).
 Loss loss_of(const VisibilityMatrix& lossy, const VisibilityMatrix& original);
 
 }  // namespace vismat

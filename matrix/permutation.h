@@ -1,4 +1,4 @@
-// A bijection on [0, size), checked once on construction.
+// An order of a matrix's rows or columns, stored as a permutation.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -6,12 +6,13 @@
 
 namespace vismat {
 
-/// new_of_old()[old] is where `old` moves to; old_of_new()[place] is what stands there afterwards.
+/// A permutation of [0, size), checked once, on construction. new_of_old()[old] is where `old` moves to;
+/// old_of_new()[place] is what stands at `place` afterwards.
 class Permutation {
  public:
   Permutation() = default;
   static Permutation identity(std::uint32_t size);
-  /// Both throw std::invalid_argument, naming the first offender, if the map is not a bijection.
+  /// Both throw std::invalid_argument, naming the first bad number, if the map is not a bijection.
   static Permutation from_new_of_old(std::vector<std::uint32_t> map);
   static Permutation from_old_of_new(std::vector<std::uint32_t> map);  // a visiting order
 
@@ -26,7 +27,7 @@ class Permutation {
   std::vector<std::uint32_t> new_of_old_;
 };
 
-/// Fewest bytes that can name one permutation of this size: (log2 n!) / 8, rounded up.
+/// The fewest bytes that can tell one permutation of this size from all others: (log2 n!) / 8, rounded up.
 std::uint64_t permutation_bytes(std::uint32_t size);
 
 }  // namespace vismat

@@ -8,7 +8,7 @@
 
 namespace vismat {
 
-/// One value as it stands in a table: whole numbers as they are, others to 12 digits, bool as 0 or 1, text as it is.
+/// One value as a table has it: whole numbers as they are, other numbers with 12 digits, bool as 0 or 1, text as it is.
 struct CsvValue {
   CsvValue(std::string_view value) : text(value) {}
   CsvValue(const std::string& value) : text(value) {}
@@ -19,25 +19,25 @@ struct CsvValue {
   std::string text;
 };
 
-/// The values with commas between them, and no end of line.
+/// The values with commas between them, without an end of line.
 std::string csv_values(std::initializer_list<CsvValue> values);
 std::string csv_values(const auto&... values) {
   return csv_values({CsvValue(values)...});
 }
 
-/// csv_values and the end of the line.
+/// The values with commas between them, and an end of line.
 std::string csv_line(std::initializer_list<CsvValue> values);
 std::string csv_line(const auto&... values) {
   return csv_line({CsvValue(values)...});
 }
 
-/// Text that holds commas or quotes, as one value.
+/// The text as one value, even if it holds commas or quotes.
 std::string csv_quoted(std::string_view text);
 
-/// What stands in a table already, or its first line.
+/// What the table already holds if `append` and it exists, otherwise its first line.
 std::string table_begin(const std::filesystem::path& path, std::string_view first_line, bool append);
 
-/// Writes the whole table, as write_file does; nothing where the path is empty.
+/// Writes the whole table, as write_file does; does nothing if the path is empty.
 void write_table(const std::filesystem::path& path, std::string_view table);
 
 }  // namespace vismat

@@ -5,10 +5,10 @@
 
 namespace vismat {
 
-/// "artificial-1" of "out/data/artificial-1.bsp.h5", "small" of "small.mtx".
+/// The matrix's name: "artificial-1" of "out/data/artificial-1.bsp.h5", "small" of "small.mtx".
 std::string matrix_name(const std::filesystem::path& file);
 
-/// "oa_koth1" of "pak1-maps.pk3:maps/oa_koth1.bsp"; "E1M1" of "doom.wad:E1M1"; "plant" of itself.
+/// The scene's name: "oa_koth1" of "pak1-maps.pk3:maps/oa_koth1.bsp"; "E1M1" of "doom.wad:E1M1"; "plant" of "plant".
 std::string scene_name(const std::string& where);
 
 }  // namespace vismat

@@ -12,7 +12,8 @@ class Option;
 
 namespace vismat {
 
-/// What a value must be. Borrows from its Program, as does Verb; both may be copied.
+/// An option or argument of a verb, and what its value must be. Borrows from its Program, as does Verb; both may be
+/// copied.
 class Option {
  public:
   Option required() const;
@@ -34,28 +35,29 @@ class Option {
 
 class Verb {
  public:
-  /// A name that begins with '-' makes an option, as "-o,--output"; any other a positional argument. Help shows the value as it
-  /// is now as the default, but for empty text, lists and optionals. `value` must live until Program::run ends, so keep it in
-  /// what `runs` captures. Value: text, a path, int, unsigned, size_t, float, double; an optional or a vector of one; see options.cpp.
+  /// A name that begins with '-' makes an option, such as "-o,--output"; any other name a positional argument. Help
+  /// shows the present value as the default, except for empty text, lists and optionals. `value` must live until
+  /// Program::run ends, so keep it in what `runs` captures. Value may be text, a path, int, unsigned, size_t, float or
+  /// double, or an optional or a vector of one of these; see options.cpp.
   template <typename Value>
   Option option(const std::string& name, Value& value, const std::string& help) const;
   Option flag(const std::string& name, bool& value, const std::string& help) const;
 
-  /// -o,--output, which is required.
+  /// The option -o,--output, which is required.
   template <typename Value>
   Option output(Value& value, const std::string& help) const {
     return option("-o,--output", value, help).required();
   }
-  /// --threads; 0 takes one per core.
+  /// The option --threads; 0 means one thread for each core.
   Option threads(unsigned& value) const;
 
-  /// A paragraph below the options; line breaks in it stay, long lines are broken.
+  /// Adds a paragraph below the options; line breaks in it stay, long lines are broken.
   Verb note(const std::string& text) const;
-  /// A command line to copy, last in the help.
+  /// Adds a command line to copy, last in the help.
   Verb example(const std::string& command) const;
 
   void runs(std::function<void()> work) const;
-  /// Arguments that are not the verb's own go to `work`, which may parse them by other means.
+  /// Gives `work` the arguments that are not the verb's own; it may parse them by other means.
   void runs_with_rest(std::function<void(const std::vector<std::string>&)> work) const;
 
  private:
@@ -68,13 +70,13 @@ class Program {
  public:
   Program(const std::string& name, const std::string& what, const std::string& version = "");
   ~Program();
-  /// In the program's help, verbs of one group stand under its name.
+  /// Adds a verb. The program's help lists the verbs of a group under the group's name.
   Verb verb(const std::string& name, const std::string& what, const std::string& group = "Verbs");
   Program& note(const std::string& text);
   Program& example(const std::string& command);
 
-  /// Parses, runs the verb that is named, and gives the exit code: 0, or 1 after one line on stderr that says what was wrong, be it
-  /// with the arguments or what the verb threw.
+  /// Parses the arguments, runs the verb that they name, and returns the exit code: 0, or 1 after one line on stderr
+  /// that says what was wrong with the arguments or what the verb threw.
   int run(int argc, char** argv);
 
  private:

@@ -1,4 +1,4 @@
-// What a codec needs of a dataset, done: one place for the program, benchmarks and tests.
+// Prepares a dataset for a codec: node columns, a row tree, orders. The program, benchmarks and tests all use it.
 #pragma once
 #include <string>
 
@@ -14,16 +14,17 @@ struct PrepareOptions {
   Stages stages = {};  // progress of what takes long
 };
 
-/// Why the dataset cannot have what the codec needs, and what would help; empty where it can.
-/// O(1); O(ones) for differences over a tree's nodes.
+/// Why the dataset cannot be prepared for the codec, and what would help; empty if it can. O(1); O(ones) for
+/// differences over a tree's nodes.
 std::string obstacle(const Codec& codec, const Dataset& data);
 
-/// The dataset as the codec needs it: columns that are a tree's nodes; a binary tree over the rows, of their boxes where there is
-/// none; equal rows and columns once; rows and columns in order, which boundaries cannot follow. What was done is told by its
-/// source map. Throws std::invalid_argument with the obstacle.
+/// The dataset as the codec needs it. Its columns may become a tree's nodes; it may get a binary tree over the rows,
+/// made from their boxes if it has none; equal rows and columns may be stored once; and rows and columns may be
+/// reordered, which removes boundaries. Its source map says what was done. Throws std::invalid_argument with the
+/// obstacle.
 Dataset prepared_for(const Codec& codec, Dataset data, const PrepareOptions& options = {});
 
-/// What the codec's reader will know beside the payload. Borrows the dataset.
+/// What the codec's reader will know besides the payload. Borrows the dataset.
 Side side_of(const Codec& codec, const Dataset& data);
 
 /// The prepared dataset's matrix and source map, compressed.

@@ -1,4 +1,4 @@
-// How far long work has come, on stderr.
+// Shows on stderr how far long work has come.
 #pragma once
 #include <chrono>
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace vismat::cli {
 
-/// On a terminal one line that is redrawn, with time left; elsewhere a plain line every ten seconds. Nothing at all
-/// for work that ends within a second.
+/// Shows the progress of `what`: on a terminal as one line that is redrawn, with the time left; elsewhere as a plain
+/// line every ten seconds. Prints nothing for work that ends within a second.
 Progress show_progress(std::string what);
 
 }  // namespace vismat::cli

@@ -11,20 +11,23 @@
 
 namespace vismat {
 
-/// From which cell of a level one may go on to which: they touch, and see one another. Cells x cells, symmetric.
+/// The cells of a level between which a viewer may walk: two that touch and see one another. A symmetric matrix of
+/// cells x cells.
 VisibilityMatrix passages_of(const Level& level);
 
-/// The greatest part of the cells that passages join, the first of equal ones, breadth first from its least cell. O(passages).
+/// The largest connected part of the cells (the first of equally large ones), in breadth-first order from its
+/// lowest-numbered cell. O(passages).
 std::vector<std::uint32_t> largest_part(const VisibilityMatrix& passages);
 
-/// The cells after `from` on the shortest way to `goal`, measured between the cells' centres. Some way must lead there.
+/// The cells after `from` on the shortest way to `goal`, which must be reachable. Lengths are measured between the
+/// cells' centres.
 std::vector<std::uint32_t> shortest_way(const VisibilityMatrix& passages, std::span<const Box> cells,
                                         std::uint32_t from, std::uint32_t goal);
 
-/// The cell in which the walk begins and `steps` more, each reached by a passage from the one before. The viewer goes to a cell
-/// drawn at random by the shortest way, then to the next: straight on, as somebody who knows the place, over all of its
-/// largest part. `cells` has a box for each. The same seed gives the same walk. Throws std::invalid_argument where no passage
-/// leads from any cell to another.
+/// The first cell of a walk and `steps` more, each of which is reached by a passage from the one before. The viewer
+/// walks to random cells of the largest connected part, one after another, each time by the shortest way. `cells` has a
+/// box for each cell. The same seed gives the same walk. Throws std::invalid_argument if there is no passage between
+/// any two cells.
 std::vector<std::uint32_t> walk_cells(const VisibilityMatrix& passages, std::span<const Box> cells,
                                       std::uint32_t steps, std::uint64_t seed);
 

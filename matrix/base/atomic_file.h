@@ -1,4 +1,4 @@
-// Writes files that appear under their final name whole or not at all.
+// Files that appear under their final name completely or not at all.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -7,8 +7,9 @@
 
 namespace vismat {
 
-/// Write to partial_path(), then commit(): the finished file takes its final name in one step. Without commit (an
-/// exception, Ctrl-C, see remove_partial_files) the partial file is removed and what stood there before stays.
+/// A file that is being written. Write to partial_path(), then call commit(): the finished file takes its final name in
+/// one step. Without commit (after an exception, or Ctrl-C, see remove_partial_files) the partial file is removed and
+/// what stood under the final name before stays.
 class AtomicFile {
  public:
   /// Throws std::runtime_error if the folder does not exist or cannot be written to.
@@ -25,12 +26,13 @@ class AtomicFile {
   int slot_ = -1;  // in the list that remove_partial_files walks
 };
 
-/// Removes every partial file now open; async-signal-safe, so a handler of SIGINT may call it before _exit.
+/// Removes every partial file that is open now. It is async-signal-safe, so a handler of SIGINT may call it before
+/// _exit.
 void remove_partial_files() noexcept;
 
-/// The whole file. Throws std::runtime_error naming the path and the system's reason.
+/// Reads the whole file. Throws std::runtime_error naming the path and the system's reason.
 std::vector<std::byte> read_file(const std::filesystem::path& path);
-/// By way of an AtomicFile.
+/// Writes the whole file by way of an AtomicFile.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 }  // namespace vismat

@@ -1,4 +1,4 @@
-// Reads little-endian bytes with bounds checks, and has the one error that bad bytes raise.
+// Reads little-endian bytes with bounds checks, and FormatError, which every reader throws on bad bytes.
 #pragma once
 #include <bit>
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace vismat {
 
 /// Bad bytes in a file or payload. The message says where (lump, dataset, offset), what is wrong and what would be
-/// right; who opened the file prefixes its name.
+/// right; whoever opened the file puts its name in front.
 struct FormatError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -6,7 +6,7 @@
 
 namespace vismat {
 
-/// 8 bytes a step.
+/// The checksum of the bytes, computed 8 bytes at a time.
 std::uint32_t crc32(std::span<const std::byte> bytes);
 
 }  // namespace vismat

@@ -4,7 +4,8 @@
 
 namespace vismat {
 
-/// SplitMix64 [Steele, Lea, Flood 2014]: one 64-bit word of state, so a stream per cell costs nothing.
+/// The generator SplitMix64 [Steele, Lea, Flood 2014]. Its state is one 64-bit word, so a stream for each view cell
+/// costs nothing.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -1,4 +1,4 @@
-// An array of ids, thousands of millions of them, that lies on disk instead of in memory.
+// An array of ids, billions of them, that lies on disk instead of in memory.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -6,12 +6,14 @@
 
 namespace vismat {
 
-/// An array of ids in a temporary file without a name, so that nothing is left of it however the program ends. Written from
-/// front to back, then read by way of the system's page cache, which gives memory back when others need it.
+/// An array of ids in a temporary file without a name, so that nothing is left of it however the program ends. It is
+/// written from front to back and then read through the system's page cache, which gives memory back when others need
+/// it.
 class ScratchIds {
  public:
   ScratchIds() = default;
-  /// In `folder`. Throws std::runtime_error, as append and map do, naming the folder and the system's reason.
+  /// An empty array in `folder`. Throws std::runtime_error, as append and map do, naming the folder and the system's
+  /// reason.
   explicit ScratchIds(std::filesystem::path folder);
   ~ScratchIds();
   ScratchIds(ScratchIds&& other) noexcept { swap(other); }
@@ -21,7 +23,7 @@ class ScratchIds {
   }
 
   void append(std::span<const std::uint32_t> ids);
-  /// No more are appended after.
+  /// Ends writing and makes ids() readable.
   void map();
   std::span<const std::uint32_t> ids() const { return {data_, size_}; }
 

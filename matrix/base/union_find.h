@@ -7,8 +7,8 @@
 
 namespace vismat {
 
-/// The points [0, size), each a set of its own at first. A set is named by one of its points, its root. Path halving keeps
-/// find() short: O(log size), amortised.
+/// The points [0, size), each of which is a set of its own at first. A set is named by one of its points, its root.
+/// Path halving keeps find() short: O(log size), amortised.
 class UnionFind {
  public:
   explicit UnionFind(std::uint32_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
@@ -17,9 +17,10 @@ class UnionFind {
     while (parent_[p] != p) p = parent_[p] = parent_[parent_[p]];
     return p;
   }
-  /// Joins two sets. Both points are roots; `parent` stays one.
+  /// Joins two sets, given by their roots; `parent` is the root of the result.
   void join(std::uint32_t child, std::uint32_t parent) { parent_[child] = parent; }
-  /// Joins the sets of two points, whose lesser root stays: where all joins are of this kind, a set's root is its least point.
+  /// Joins the sets of two points. The lower root stays: if all joins are made in this way, a set's root is its lowest
+  /// point.
   void join_sets(std::uint32_t a, std::uint32_t b) {
     const auto [least, other] = std::minmax({find(a), find(b)});
     join(other, least);

@@ -4,7 +4,7 @@
 
 namespace vismat {
 
-/// Bits of x and y interleaved, x lowest.
+/// The bits of x and y interleaved, with x lowest.
 inline std::uint64_t z_order(std::uint32_t x, std::uint32_t y) {
   const auto spread = [](std::uint64_t value) {  // to every second bit
     value = (value | value << 16) & 0x0000ffff0000ffff;
@@ -16,7 +16,7 @@ inline std::uint64_t z_order(std::uint32_t x, std::uint32_t y) {
   return spread(x) | spread(y) << 1;
 }
 
-/// Bits of x, y and z interleaved, x lowest; the lowest 21 bits of each.
+/// The lowest 21 bits of x, y and z interleaved, with x lowest.
 inline std::uint64_t z_order(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   const auto spread = [](std::uint64_t value) {  // to every third bit
     value &= 0x1fffff;

@@ -6,12 +6,12 @@
 
 namespace vismat {
 
-/// Reads `.bsp.h5`, `.h5`, `.hdf5` (Binsparse) or `.mtx` (Matrix Market), told apart by their first bytes.
+/// Reads `.bsp.h5`, `.h5`, `.hdf5` (Binsparse) or `.mtx` (Matrix Market), which are told apart by their first bytes.
 /// Throws FormatError or std::runtime_error, both naming the file.
 Dataset read_dataset(const std::filesystem::path& path);
-/// By the file name's ending; `.mtx` keeps the matrix and the facts as comments, not the geometry.
-/// Throws std::invalid_argument for another ending, or a source map that does not fit the matrix. The file appears whole or not
-/// at all.
+/// Writes the format that the file name's ending names; `.mtx` keeps the matrix and, as comments, the facts, but not
+/// the geometry. Throws std::invalid_argument for another ending, or if the source map does not fit the matrix. The
+/// file appears completely or not at all.
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 
 }  // namespace vismat

@@ -10,13 +10,13 @@
 
 namespace vismat {
 
-/// Paths inside the file are absolute ("/vismat/tree/parent"); missing groups are made on writing. Number is
-/// one of u8, u32, u64, f32. Every failure throws FormatError naming the path inside the file, but not the
-/// file: who opened it prefixes that. HDF5 itself prints nothing. The same calls write the same bytes.
+/// An HDF5 file that is written, or read. Paths inside the file are absolute ("/vismat/tree/parent"); missing groups
+/// are made on writing. Number is one of u8, u32, u64, f32. Every failure throws FormatError naming the path inside the
+/// file, but not the file: whoever opened it puts its name in front. HDF5 itself prints nothing. The same calls write
+/// the same bytes.
 ///
-/// A file is read in a child process, so that one which crashes or stalls the library is refused like any
-/// other: open() forks, and the child ends with the Hdf5File. Do not open one while another thread writes
-/// one.
+/// A file is read in a child process, so that a file which makes the library crash or loop is refused like any other
+/// bad file: open() forks, and the child ends with the Hdf5File. Do not open a file while another thread writes one.
 class Hdf5File {
  public:
   static Hdf5File create(const std::filesystem::path& path);  // truncates
@@ -30,12 +30,12 @@ class Hdf5File {
   void write(const std::string& name, std::span<const Number> values, std::vector<std::uint64_t> dimensions);
   bool contains(const std::string& name) const;
   std::vector<std::uint64_t> dimensions(const std::string& name) const;
-  /// Converts from the stored integer or float type; refuses a value that does not fit (floats where Number
-  /// is an integer), and a dataset larger than the file could hold. Takes no memory beyond the result but a
-  /// few chunks.
+  /// Converts from the stored integer or float type. Refuses a value that does not fit (floats if Number is an
+  /// integer), and an array that is larger than the file could hold. Takes no memory beyond the result but a few
+  /// chunks.
   template <typename Number>
   std::vector<Number> read(const std::string& name) const;
-  /// 1 where an entry of any integer or float type is not zero, else 0; NaN gives 1.
+  /// For each entry, of any integer or float type: 1 if it is not zero, otherwise 0. NaN gives 1.
   std::vector<std::uint8_t> read_truth(const std::string& name) const;
 
   void write_attribute(const std::string& object, const std::string& name, const std::string& value);

@@ -9,12 +9,13 @@
 
 namespace vismat {
 
-/// `where` is a path inside the file.
+/// Throws a FormatError that begins with `where`, a path inside the file.
 [[noreturn]] inline void refuse(const std::string& where, const std::string& what) {
   throw FormatError(where + ": " + what);
 }
 
-/// Closes what it holds; negative where the library refused.
+
+/// An identifier that is closed with this object; negative if the library refused.
 template <herr_t (*close)(hid_t)>
 class Hdf5Id {
  public:

@@ -11,13 +11,14 @@
 
 namespace vismat {
 
-/// What an array is wanted as; `truth` gives a u8 per entry, 0 or 1: is it anything but zero (NaN is)?
+/// The type in which an array is wanted. `truth` gives a u8 for each entry: 1 if it is anything but zero (NaN is),
+/// otherwise 0.
 enum class Hdf5Number : std::uint32_t { u8, u32, u64, f32, truth };
 
-/// Checks whatever the HDF5 library can be asked before it follows a pointer: only hard links, simple
-/// dataspaces, integers and floats of at most 8 bytes, contiguous, compact or chunked storage that is all
-/// there, the filters deflate, shuffle and fletcher32. Throws FormatError naming the path inside the file.
-/// The library itself may still crash or loop on a hostile file; the caller must be ready for that.
+/// Reads one file. Before it lets the HDF5 library follow a pointer it checks whatever the library can be asked: there
+/// may be only hard links, simple dataspaces, integers and floats of at most 8 bytes, contiguous, compact or chunked
+/// storage that is all there, and the filters deflate, shuffle and fletcher32. Throws FormatError naming the path
+/// inside the file. The library itself may still crash or loop on a hostile file; the caller must be ready for that.
 class Hdf5Reader {
  public:
   using Sink = std::function<void(std::span<const std::byte>)>;
@@ -29,8 +30,8 @@ class Hdf5Reader {
 
   bool contains(const std::string& name) const;
   std::vector<std::uint64_t> dimensions(const std::string& name) const;
-  /// The array, row-major, in consecutive pieces of bounded size. Before the first, `count` hears how many
-  /// numbers will come: never more than 1032 bytes of them (deflate's limit) for each byte that the file
+  /// Gives the array, row-major, to `sink` in consecutive pieces of bounded size. Before the first piece, `count` is
+  /// told how many numbers will come: never more than 1032 bytes of them (deflate's limit) for each byte that the file
   /// stores.
   void read(const std::string& name, Hdf5Number number, const std::function<void(std::uint64_t)>& count,
             const Sink& sink) const;

@@ -8,16 +8,16 @@
 
 namespace vismat {
 
-/// Any coordinate matrix: pattern, integer, real or complex (an entry whose value is zero is not visible and
-/// dropped), general or with one triangle stored. Entries in any order, any whitespace, CRLF, comments and
-/// blank lines between. Comments `%%vismat key: value` give the facts that write_matrix_market writes. Throws
-/// FormatError naming the line: indices out of range, entries that repeat, more or fewer than promised, dense
-/// arrays. Takes 8 bytes an entry beyond the text and the matrix. O(entries), rows sorted only where they are
-/// not yet.
+/// Reads any coordinate matrix: pattern, integer, real or complex (an entry whose value is zero is not visible and is
+/// dropped), general or with one triangle stored. Entries may come in any order, with any whitespace, CRLF, and
+/// comments and blank lines between. Comments `%%vismat key: value` give the facts that write_matrix_market writes.
+/// Throws FormatError naming the line for indices out of range, repeated entries, more or fewer entries than announced,
+/// and dense arrays. Takes 8 bytes for each entry beyond the text and the matrix. O(entries); rows are sorted only if
+/// they are not sorted yet.
 Dataset read_matrix_market(std::span<const std::byte> text);
 
-/// A pattern coordinate general matrix, row by row, facts as comments; geometry and tree are left out, and so
-/// is that columns are nodes. The caller checks the stream.
+/// Writes a matrix `coordinate pattern general`, row by row, with the facts as comments. Geometry and tree are left
+/// out, and so is the fact that columns are nodes. The caller checks the stream.
 void write_matrix_market(std::ostream& out, const Dataset& dataset);
 
 }  // namespace vismat
