@@ -10,13 +10,13 @@
 
 namespace vismat {
 
-/// Metres, right-handed, z up.
+/// Triangles and the objects that they belong to; in metres, right-handed, z up.
 struct Scene {
   std::vector<glm::vec3> vertices;
   std::vector<std::uint32_t> indices;             // 3 per triangle, each < vertices.size()
   std::vector<std::uint32_t> object_of_triangle;  // each < object_count: the matrix's columns
   std::uint32_t object_count = 0;
-  /// One an object, 1 for glass and grates, which hide nothing; empty: none is.
+  /// For each object 1 if it hides nothing, such as glass and grates, otherwise 0; empty if all are opaque.
   std::vector<std::uint8_t> see_through;
 };
 
@@ -27,23 +27,23 @@ std::array<Point, 3> corners_of(const Scene& scene, std::size_t triangle) {
   return corners;
 }
 
-/// One box an object; an object without triangles gets the box [0, 0].
+/// One box for each object; an object without triangles gets the box [0, 0].
 std::vector<Box> object_bounds(const Scene& scene);
 
-/// The least box around the vertices that triangles use. Throws std::invalid_argument where there is no triangle.
+/// The smallest box around the vertices that triangles use. Throws std::invalid_argument if there is no triangle.
 Box bounds_of(const Scene& scene);
 
-/// Which triangles each object has.
+/// The triangles of each object.
 class ObjectTriangles {
  public:
   explicit ObjectTriangles(const Scene& scene);  // O(triangles)
-  /// Ascending; borrowed.
+  /// The numbers of the object's triangles, ascending; borrowed.
   std::span<const std::uint32_t> of(std::uint32_t object) const {
     return std::span(triangles_).subspan(first_[object], first_[object + 1] - first_[object]);
   }
 
  private:
-  std::vector<std::uint64_t> first_;  // of each object, and the end
+  std::vector<std::uint64_t> first_;  // where each object's triangles begin, and the end
   std::vector<std::uint32_t> triangles_;
 };
 

@@ -19,7 +19,8 @@ struct SceneFile {
   std::string provenance;
   std::optional<std::uint64_t> seed;
 };
-SceneFile read_scene(const std::filesystem::path& path);  // FormatError naming file, dataset and offender
+SceneFile read_scene(
+    const std::filesystem::path& path);  // FormatError naming the file, the array and the bad value
 void write_scene(const std::filesystem::path& path, const SceneFile& file);
 
 }  // namespace vismat

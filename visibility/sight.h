@@ -1,4 +1,5 @@
-// What is known of the visibility from view cells: the objects that are surely seen, and those that are not surely hidden.
+// What is known about the visibility from view cells: the objects that are proven seen, and those that are not proven
+// hidden.
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -15,17 +16,17 @@ struct SightLine {
   bool operator==(const SightLine&) const = default;
 };
 
-/// What rays that took no part in the search say of its result: see held_back_error in sampled.h.
+/// An estimate of what was missed, from rays that the search did not use: see held_back_error in sampled.h.
 struct HeldBack {
-  std::uint64_t rays = 0,
-                missed_rays = 0;  // in random directions, that saw anything; an object that is not listed
-  std::uint64_t objects = 0,
-                missed_objects = 0;  // that these and as many rays aimed at random objects saw; not listed
+  /// Things that rays in random directions saw; and those of them that belong to objects that are not listed.
+  std::uint64_t rays = 0, missed_rays = 0;
+  /// Objects that these rays, and as many aimed at random objects, saw from each cell; and those that are not listed.
+  std::uint64_t objects = 0, missed_objects = 0;
   bool operator==(const HeldBack&) const = default;
 };
 
-/// Cells x objects. An object is seen, hidden (in neither matrix), or undecided (not hidden, not seen). Of what a
-/// producer does not tell, seen or not_hidden, the matrix may be without rows.
+/// What view cells see, as matrices of cells x objects. An object is seen, hidden (in neither matrix), or undecided
+/// (not hidden, not seen). If a producer does not compute one of the two matrices, that matrix has no rows.
 struct Sight {
   VisibilityMatrix seen;         // a ray reached it: a lower bound
   VisibilityMatrix not_hidden;   // no occluder was proven to hide it: an upper bound, seen included

@@ -1,4 +1,4 @@
-// Makes the view cells that a user asks for in words.
+// Makes the view cells that the options --cells, --region, --from and --eyes ask for.
 #pragma once
 #include <string>
 #include <string_view>
@@ -12,7 +12,7 @@
 
 namespace vismat {
 
-/// The words of a command line, as they stand there.
+/// The values of these options as the command line gives them.
 struct CellsWords {
   /// file | grid:SIZE | grid:X,Y,Z | ground | ground:HEIGHT | octree:TRIANGLES | octree:TRIANGLES:LEVELS
   std::string cells = "file";
@@ -21,26 +21,26 @@ struct CellsWords {
   std::string eyes;  // "low,high" or one height; empty: 1.6 m on the ground, elsewhere viewers fly
 };
 
-/// What they mean; std::monostate: the cells that the scene file has.
+/// What the words mean; std::monostate stands for the cells of the scene file.
 using CellsChoice = std::variant<std::monostate, GridCellsOptions, GroundCellsOptions, OctreeCellsOptions>;
 
-/// Throws std::invalid_argument, which says what was expected, for words that mean nothing.
+/// Throws std::invalid_argument, which says what was expected, for words without a meaning.
 CellsChoice parse_cells(const CellsWords& words);
 
-/// The same choice in one line, every parameter named; equal choices give equal lines.
+/// The choice in one line that names every parameter; equal choices give equal lines.
 std::string describe(const CellsChoice& choice);
 
 struct ChosenCells {
   ViewCells cells;
-  std::string table;  // of an octree's levels; otherwise empty
+  std::string table;  // the levels of an octree (table_of); otherwise empty
 };
 
-/// Makes the cells. `of_file` is what the scene file has: taken where the choice is to keep it, which throws
-/// std::invalid_argument if it has none. `count` serves octrees alone. Throws as the makers do.
+/// Makes the cells. `of_file` are the cells of the scene file; they are returned if the choice is to keep them, which
+/// throws std::invalid_argument if there are none. `count` is used only for octrees. Throws as the makers of cells do.
 ChosenCells choose_cells(const Scene& scene, const ViewCells& of_file, const CellsChoice& choice,
                          const VisibleTriangles& count);
 
-/// For each row of cells x objects, how many triangles its objects have.
+/// For each row of a matrix of cells x objects, the number of triangles that its objects have.
 std::vector<std::uint64_t> triangles_of_rows(const VisibilityMatrix& objects, const Scene& scene);
 
 }  // namespace vismat

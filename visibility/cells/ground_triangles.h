@@ -1,4 +1,4 @@
-// Triangulates ground: constrained Delaunay triangles of polygons in the plan, and which triangles meet.
+// Triangulates the ground, by constrained Delaunay triangles of polygons in the plan, and finds which triangles meet.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace vismat {
 using Triangle = std::array<glm::vec3, 3>;
 using Polygon = std::vector<glm::dvec2>;  // its corners in order
 
-/// Metres; corners in the plan are rounded to it, and thinner triangles are left out.
+/// In metres: corners in the plan are rounded to multiples of it, and thinner triangles are left out.
 constexpr double plan_grid = 1e-3;
 
-/// The convex hull of points, counter-clockwise from its least (x, y); fewer than three corners where there is no area.
+/// The convex hull of the points, counter-clockwise from its least (x, y); fewer than three corners if it has no area.
 Polygon hull_in_plan(Polygon points);
 double area_in_plan(const std::array<glm::dvec3, 3>& triangle);
 
@@ -26,14 +26,14 @@ struct GroundPlan {
   std::vector<Polygon> ground, obstacles, steps;
 };
 
-/// Triangles that cover the ground without its obstacles, whose outlines may move by `tolerance` for fewer corners, and without
-/// its steps, at height 0, each counter-clockwise from the corner of least (x, y). GEOS promises no order of them. Throws
-/// std::runtime_error with what GEOS says where it fails.
+/// Triangles that cover the ground without its obstacles, whose outlines may move by `tolerance` to save corners, and
+/// without its steps. They lie at height 0, each counter-clockwise from the corner of least (x, y). GEOS promises no
+/// order of them. Throws std::runtime_error with GEOS's message if it fails.
 std::vector<Triangle> triangulate(const GroundPlan& plan, double tolerance);
 /// The same for a rectangle without holes that lie apart from one another and from its border.
 std::vector<Triangle> triangulate_around(const Box& ground, std::span<const Box> holes);
 
-/// Which triangles share an edge, corner for corner.
+/// For each triangle, the triangles that share an edge with it, corner for corner.
 std::vector<std::vector<std::uint32_t>> edge_neighbours(std::span<const Triangle> triangles);
 
 }  // namespace vismat

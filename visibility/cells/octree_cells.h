@@ -1,4 +1,5 @@
-// Makes view cells that are small where much is visible, by the adaptive octree of Chhugani et al. 2005, sections 3 and 8.
+// Makes view cells that are small where much is visible, as the adaptive octree of Chhugani et al. 2005, sections 3 and
+// 8.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -12,7 +13,8 @@
 
 namespace vismat {
 
-/// How many triangles are visible from each of the cells, which are the boxes of one level; called once a level.
+/// Counts how many triangles are visible from each of the cells, which are the boxes of one level. Is called once for
+/// each level.
 using VisibleTriangles = std::function<std::vector<std::uint64_t>(const ViewCells& cells)>;
 
 struct OctreeCellsOptions {
@@ -20,7 +22,7 @@ struct OctreeCellsOptions {
   unsigned levels = 6;        // of refinement, at most 10; the smallest cell is the cube's side / 2^levels
   std::optional<Box> region;  // default: the scene's bounds
   Viewers viewers;
-  unsigned threads = 0;  // 0: one a core; for finding where viewers are
+  unsigned threads = 0;  // 0: one for each core; for finding what viewers reach
 };
 
 struct OctreeLevel {
@@ -37,17 +39,18 @@ struct OctreeCells {
   std::vector<OctreeLevel> levels;       // the root's first, as many as were needed
 };
 
-/// Starts from the least cube over the region that shares its low corner. Only cells that lie in the region in part, and
-/// that viewers reach in part, are counted, refined and kept: reachability is told on the grid of the smallest cells
-/// (reachable_cells, where the memory goes: 8 lattice points each), and a larger cell is reachable where one of its
-/// smallest is. So leaves do not overlap, and cover all of the smallest cells that viewers reach. Same scene, options and
-/// counts, same cells. Throws std::invalid_argument for options out of range, where no cell is left, or where `count` gives
-/// another number of counts than there are cells.
+/// Starts from the smallest cube over the region that shares its low corner. Only cells that lie at least partly in the
+/// region and that viewers can reach at least in part are counted, divided and kept. What can be reached is found on
+/// the grid of the smallest cells (by reachable_cells, which takes most of the memory: 8 lattice points for each of
+/// them); a larger cell is reachable if one of its smallest cells is. So leaves do not overlap, and cover all of the
+/// smallest cells that viewers reach. The same scene, options and counts give the same cells. Throws
+/// std::invalid_argument for options out of range, if no cell is left, or if `count` returns another number of counts
+/// than there are cells.
 OctreeCells make_octree_cells(const Scene& scene, const VisibleTriangles& count,
                               const OctreeCellsOptions& options = {});
 
-/// A line a level under a heading: side of its cells, cells evaluated, kept, stopped by the limit and how far over the
-/// threshold those are.
+/// A table with a heading and a line for each level: the side of its cells; how many cells were evaluated, kept, and
+/// stopped by the limit on levels; and how far those are above the threshold.
 std::string table_of(const OctreeCells& octree);
 
 }  // namespace vismat

@@ -1,4 +1,4 @@
-// Finds the boxes that meet a box, by square bins of the plan.
+// Finds the boxes that meet a given box, by square bins of the plan.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -35,7 +35,7 @@ class PlanBins {
     }
   }
 
-  /// Those whose boxes meet the box, ascending.
+  /// The numbers of the boxes that meet the box, ascending.
   std::vector<std::uint32_t> meeting(const Box& box) const {
     std::vector<std::uint32_t> found;
     const Range r = range(box);

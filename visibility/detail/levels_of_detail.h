@@ -1,4 +1,4 @@
-// Makes coarser versions of a scene's objects, and tells how coarse they may be for a view cell.
+// Makes coarser versions of a scene's objects, and finds how coarse they may be for a view cell.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,34 +14,37 @@ namespace vismat {
 
 /// One version of an object.
 struct LevelOfDetail {
-  /// There is a map from all of the original surface onto all of this one, boundary onto boundary, that moves no point
-  /// farther; so no point of either lies farther from the other, nor does any point of a boundary from the other's boundary.
+  /// An upper bound on the distance between the original surface and this one, in both directions, rims of open
+  /// surfaces included: there is a map from all of the original surface onto all of this one, rim onto rim, that moves
+  /// no point farther.
   double error = 0;                                     // metres
   std::vector<std::array<std::uint32_t, 3>> triangles;  // over the mesh's own vertices
 };
 
-/// By edge collapse [Chhugani et al. 2005, section 4], each about half the triangles of the one before, errors ascending; the
-/// first is the mesh itself. Ends where half cannot be reached. Non-manifold sides are parted first; where that does not
-/// make a manifold, there is the first level alone. Deterministic. O(n log n).
+/// The versions of the mesh, made by edge collapse [Chhugani et al. 2005, section 4]. The first is the mesh itself;
+/// each of the others has about half the triangles of the one before, and a larger error. Ends when half cannot be
+/// reached. Non-manifold sides are separated first; if the result is still no manifold, there is only the first level.
+/// Deterministic. O(n log n).
 std::vector<LevelOfDetail> levels_of_detail(const Mesh& mesh);
 
-/// The finest picture that a vLOD is to serve.
+/// The screen for which errors are measured.
 struct Screen {
   std::uint32_t width = 1920, height = 1080;  // pixels
   float field_of_view = 90;                   // degrees, along the width; below 180
 };
-/// The most pixels that an angle of one radian takes anywhere in the picture: that is in its corners. Throws
-/// std::invalid_argument for a screen that is none.
+/// The most pixels that an angle of one radian takes anywhere in the picture, which is in its corners. Throws
+/// std::invalid_argument for a screen without pixels or a field of view out of range.
 double pixels_per_radian(const Screen& screen);
 
-/// The most that an error moves a point that stays within `object`, for a viewer anywhere in `cell`, in pixels; 0 for no
-/// error, infinity where viewer and point may meet. Rounded up.
+/// The most pixels by which an error moves a point that stays within `object`, for a viewer anywhere in `cell`; 0 for
+/// no error, infinity if viewer and point may meet. Rounded up.
 double deviation_in_pixels(double error, const Box& cell, const Box& object, double per_radian);
 
-/// All levels of all objects of a scene, and what of them is drawn from where.
+/// All levels of detail of all objects of a scene, and which of them is drawn from where.
 class LevelsOfDetail {
  public:
-  /// Throws std::invalid_argument for a screen that is none. threads 0: one a core; the same for any number.
+  /// Throws std::invalid_argument as pixels_per_radian does. `threads` of 0 is one for each core; the result is the
+  /// same for any number.
   explicit LevelsOfDetail(const Scene& scene, const Screen& screen = {}, unsigned threads = 0,
                           const Progress& progress = {});
   ~LevelsOfDetail();
@@ -50,11 +53,11 @@ class LevelsOfDetail {
 
   const Mesh& mesh(std::uint32_t object) const;
   std::span<const LevelOfDetail> levels(std::uint32_t object) const;
-  /// The coarsest level that deviates by less than a pixel from everywhere in the cell [Chhugani et al. 2005, section 4]; 0
-  /// where the cell touches the object's box.
+  /// The coarsest level that deviates by less than a pixel, seen from anywhere in the cell [Chhugani et al. 2005,
+  /// section 4]; 0 if the cell touches the object's box.
   std::uint32_t level_for(const Box& cell, std::uint32_t object) const;
-  /// The triangles of a vLOD: for each of the objects the triangles of its level, less those that turn their backs on the
-  /// cell if the object is closed and the cell does not touch its box.
+  /// How many triangles are drawn from the cell: for each of the objects the triangles of its level; if the object is
+  /// closed and the cell does not touch its box, without those that face away from the whole cell.
   std::uint64_t visible_triangles(const Box& cell, std::span<const std::uint32_t> objects) const;
 
  private:

@@ -12,10 +12,10 @@
 namespace vismat {
 
 struct AuditOptions {
-  std::uint32_t entries = 200;   // of those that say seen, and of those that say hidden
-  std::uint32_t points = 16;     // of an object that is said to be hidden
-  std::uint64_t rays = 10'000;   // at an object that is said to be seen, where no sight line is given
-  std::uint32_t patches = 1000;  // of a cell from which an object is said to be hidden, at most
+  std::uint32_t entries = 200;   // of those that claim seen, and of those that claim hidden
+  std::uint32_t points = 16;     // of each object that is claimed to be hidden
+  std::uint64_t rays = 10'000;   // at each object that is claimed to be seen, if no sight line is given
+  std::uint32_t patches = 1000;  // at most, of a cell from which an object is claimed to be hidden
   std::uint64_t seed = 1;
 };
 
@@ -29,11 +29,12 @@ struct Audit {
   Side seen, hidden;
 };
 
-/// Takes entries at random, finds what proves each and checks that by WitnessCheck. A sampled or exact matrix claims that its
-/// entries are seen: by its own sight lines, or else by rays aimed anew. A conservative or exact one claims that the others
-/// are hidden: what hides them is sought anew with small patches of the cell, so that what fails is found with less effort
-/// too. Not confirmed is not refuted: of the proof that an entry had when it was made, sight lines alone are kept.
-/// Throws std::invalid_argument for a matrix without guarantee, over nodes, or of another size than cells x objects.
+/// Draws entries at random, finds a proof for each, and checks it by WitnessCheck. A sampled or exact matrix claims
+/// that its entries are seen; the proof is its own sight line, or else a ray that is aimed anew. A conservative or
+/// exact matrix claims that the other entries are hidden; what hides them is sought anew with small patches of the
+/// cell, and so with more effort than the matrix took. An entry that is not confirmed may still be right: of the
+/// original proofs only sight lines are stored. Throws std::invalid_argument for a matrix without guarantee, over
+/// nodes, or of another size than cells x objects.
 Audit audit(const Dataset& dataset, const Scene& scene, const ViewCells& cells,
             const AuditOptions& options = {}, const Progress& progress = {});
 

@@ -7,11 +7,11 @@
 
 namespace vismat {
 
-/// "Artificial 1" and "artificial 2" of Zach & Karner 2003, section 6, are sizes 32 and 64 of these defaults:
-/// what the paper leaves open was tuned until the average visibility over all quadtree nodes met its Table 1
-/// for both (the search is told in docs/artificial.md). Metres.
+/// The parameters of a city, in metres. "Artificial 1" and "artificial 2" of Zach & Karner 2003, section 6, are sizes
+/// 32 and 64 with these defaults: what the paper leaves open was tuned until the average visibility over all nodes of
+/// the quadtree met its Table 1 for both (docs/artificial.md describes the search).
 struct CityOptions {
-  std::uint32_t size = 32;                     // boxes a side: a power of two, 1 to 128
+  std::uint32_t size = 32;                     // boxes along a side: a power of two, 1 to 128
   float pitch = 20;                            // side of the grid square in which each box stands
   float narrowest_street = 4;                  // no two boxes come closer
   float smallest_side = 8, largest_side = 10;  // of a box on the ground, each direction on its own
@@ -21,15 +21,15 @@ struct CityOptions {
   std::uint64_t seed = 1;
 };
 
-/// Objects are the boxes in Z-order of their squares; the tree is the quadtree, each node before its children
-/// and those in Z-order (depth first: general compressors then come to the paper's sizes, breadth first they
-/// do not). The view cells are the constrained Delaunay triangles of the ground rectangle with the boxes cut
-/// out (6 size^2 + 2 of them), counter-clockwise, in Z-order of the grid squares of their centroids, with
-/// their neighbours. Same options, same city, for one version of GEOS. Throws std::invalid_argument for
-/// options out of range. Takes time quadratic in the number of boxes, as GEOS joins holes.
+/// Makes the city. Objects are the boxes in Z-order of their squares. The tree is the quadtree, with each node before
+/// its children and these in Z-order (depth first: with that order general compressors come to the paper's sizes,
+/// breadth first they do not). The view cells are the constrained Delaunay triangles of the ground rectangle with the
+/// boxes cut out (6 size^2 + 2 of them), counter-clockwise, in Z-order of the grid squares of their centroids, with
+/// their neighbours. The same options give the same city, for one version of GEOS. Throws std::invalid_argument for
+/// options out of range. Takes time quadratic in the number of boxes, since GEOS joins holes.
 SceneFile make_city(const CityOptions& options = {});
 
-/// One line that names every parameter.
+/// The options in one line that names every parameter.
 std::string describe(const CityOptions& options);
 
 }  // namespace vismat

@@ -7,9 +7,9 @@
 
 namespace vismat {
 
-/// Metres. The defaults give 1.24 million triangles in 2752 objects.
+/// The parameters of a dense city, in metres. The defaults give 1.24 million triangles in 2752 objects.
 struct DenseCityOptions {
-  std::uint32_t size = 20;                     // squares a side, 1 to 256
+  std::uint32_t size = 20;                     // squares along a side, 1 to 256
   float pitch = 20;                            // side of a square
   float street = 4;                            // strip along two sides of each square that stays free
   float smallest_side = 9, largest_side = 14;  // of a building on the ground, each direction on its own
@@ -23,12 +23,13 @@ struct DenseCityOptions {
   std::uint64_t seed = 1;
 };
 
-/// Object 0 is the ground, a sheet at z = 0; the others are closed and outward oriented and follow square by
-/// square, along x first. The view cells are the boxes of a grid over the ground that no object enters, ascending by x first,
-/// with their neighbours. Same options, same city. Throws std::invalid_argument for options out of range.
+/// Makes the dense city. Object 0 is the ground, a sheet at z = 0; the others are closed, face outward and follow
+/// square by square, along x first. The view cells are the boxes of a grid over the ground that no object enters,
+/// ascending by x first, with their neighbours. The same options give the same city. Throws std::invalid_argument for
+/// options out of range.
 SceneFile make_dense_city(const DenseCityOptions& options = {});
 
-/// One line that names every parameter.
+/// The options in one line that names every parameter.
 std::string describe(const DenseCityOptions& options);
 
 }  // namespace vismat
