@@ -1,4 +1,5 @@
-// The codecs that others use, through their own libraries. They are a library apart so that ours links none of these.
+// The codecs that others use, through their own libraries. They form a separate library, so that vismat::codecs needs
+// none of those libraries.
 #pragma once
 #include <string_view>
 #include <vector>

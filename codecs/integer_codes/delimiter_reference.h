@@ -10,7 +10,8 @@
 
 namespace vismat::reference {
 
-/// The code of one number as the rules have it, a character a bit. `literal`: as printed, where the number 1 stays 1.
+/// The code of one number as the rules of the paper's Appendix A have it, one character for each bit. `literal`: as
+/// printed, where the number 1 stays 1.
 inline std::string delimited_by_rules(std::uint32_t number, bool literal = false) {
   std::string binary;
   for (; number > 0; number /= 2) binary.insert(binary.begin(), number % 2 == 0 ? '0' : '1');
@@ -47,10 +48,11 @@ inline std::vector<std::byte> bytes_of_bits(const std::string& bits) {
   return bytes;
 }
 
-/// The one pass of Appendix A.2, bit by bit. Behind a number, five ones may be its last 1, the 1 that rule 3 put there,
-/// the delimiter and the first 1 of a number; or the delimiter and more. The pass takes the former for true and marks the
-/// number; if the ones then end where no number can begin, with 1110 or 11110, it takes the marked number's last bit back
-/// and has found one more number 1. Throws FormatError on bytes that put_delimited cannot have made.
+/// The one pass of Appendix A.2, bit by bit. Behind a number, five ones may be its last 1, the 1 that is appended after
+/// a final 01, the delimiter and the first 1 of a number; or the delimiter and more. The pass takes the former for true
+/// and marks the number; if the ones then end where no number can begin, with 1110 or 11110, it takes the marked
+/// number's last bit back and has found one more number 1. Throws FormatError on bytes that put_delimited cannot have
+/// made.
 inline void read_delimited_by_bits(std::span<const std::byte> bytes, std::vector<std::uint64_t>& numbers) {
   numbers.clear();
   if (bytes.empty()) return;

@@ -1,4 +1,4 @@
-// A row as pairs of small numbers [Chhugani et al. 2005, 6.2]: for each run of ones its gap, the number of zeros before
+// A row as pairs of small numbers [Chhugani et al. 2005, section 6.2]: for each run of ones its gap, the number of zeros before
 // it, and its length. Only the gap before the first run may be 0; one is added to it, so that every number is at least
 // 1.
 //

@@ -25,7 +25,7 @@
 //   - whether the object is in the last four siblings' sets, and whether the object before agrees in four of them, or in all
 //   - how long the last trit has been repeated; the shares of trits in the part so far; the view cells below A; whether A is a first child
 //
-// Tried and lost: the sets of siblings at the objects next to this one (0.1 % to 0.4 %), more of the history as single
+// Tried and found worse: the sets of siblings at the objects next to this one (0.1 % to 0.4 %), more of the history as single
 // questions (0.1 %), how well the next object agrees (0). Adaptation from part to part would prevent reading single
 // nodes. The order of the columns matters more than any question: `best` takes 22 % to 36 % off two levels' view cells
 // and 51 % to 70 % off their faces, but adds 4 % to artificial 1, whose columns are the nodes of a tree in its order

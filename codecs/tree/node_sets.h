@@ -26,7 +26,7 @@ void inherit(const NodeSet& parent, std::span<const std::uint8_t> own, std::span
 /// Gives the root's set its history, of nothing.
 void begin_history(NodeSet& root);
 
-/// How many leafs the tree has below each node.
+/// How many leaves the tree has below each node.
 std::vector<std::uint32_t> leafs_of_nodes(const ObjectTree& tree);
 /// What the tree tells of a node.
 void place_in_tree(ChildBits& bits, const ObjectTree& tree, std::span<const std::uint32_t> leafs_of_node,

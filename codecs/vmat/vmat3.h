@@ -1,5 +1,5 @@
-// `.vmat` version 3, the format of 2026. Only `vismat decode` reads it, so that files in it are not lost. docs/vmat3.md
-// gives the layout.
+// `.vmat` version 3, the format before version 4. Only `vismat decode` reads it, so that files in it are not lost.
+// docs/vmat3.md gives the layout.
 #pragma once
 #include <cstddef>
 #include <span>

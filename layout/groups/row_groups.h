@@ -10,8 +10,8 @@
 
 namespace vismat {
 
-/// Equal rows are one kind and never separate. At first each kind is a group; a group keeps its number when others join
-/// it. Memory: rows * columns / 8 bytes and 64 for each row.
+/// Equal rows count as one distinct row and never separate. At first each distinct row is a group; a group keeps its
+/// number when others join it. Memory: rows * columns / 8 bytes and 64 for each row.
 class RowGroups {
  public:
   RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& options);
@@ -29,17 +29,18 @@ class RowGroups {
   /// The occlusions that are lost so far.
   std::uint64_t lost() const { return lost_; }
   /// The number of occlusions that merging the two groups would lose: rows of a times what only b has, and the other
-  /// way round [Zach & Karner 2003, 4.1]. Unbounded if that is above `limit`, or if some row or column would lose more
+  /// way round [Zach & Karner 2003, section 4.1]. Unbounded if that is above `limit`, or if some row or column would lose more
   /// than it may.
   std::uint64_t score(std::uint32_t a, std::uint32_t b, std::uint64_t limit = unbounded) const;
   /// The group with the least score with this one; of equal ones the lowest number. Only groups of similar size are
-  /// examined [Zach & Karner 2003, 4.1]. Groups of near rows are examined first, as near rows are often similar, and a
+  /// examined [Zach & Karner 2003, section 4.1]. Groups of near rows are examined first, as near rows are often similar, and a
   /// low score soon rules the others out.
   Pair best_partner(std::uint32_t group) const;
   /// The second becomes part of the first. Their score must be bounded.
   void merge(std::uint32_t into, std::uint32_t from);
-  /// Moves each kind in turn, where that regains occlusions, to the group where it regains most. Returns how many in all.
-  /// O(kinds * groups * columns / 64) word operations at worst. Memory: groups * columns * 4 bytes meanwhile.
+  /// Moves each distinct row in turn, where that regains occlusions, to the group where it regains most. Returns how
+  /// many in all. O(distinct rows * groups * columns / 64) word operations at worst. Memory: groups * columns * 4 bytes
+  /// meanwhile.
   std::uint64_t exchange();
   /// Groups in the order of their first members.
   Partition partition() const;

@@ -11,15 +11,16 @@ namespace vismat {
 
 /// Some order with the fewest runs has equal columns as neighbours, so it is enough to order the distinct ones.
 struct DistinctColumns {
-  VisibilityMatrix matrix;  // the first column of each kind, in order of appearance, an empty one last
-  std::vector<std::uint32_t> distinct_of_column;  // the kind of each column
+  VisibilityMatrix
+      matrix;  // the first of each set of equal columns, in order of appearance, an empty one last
+  std::vector<std::uint32_t> distinct_of_column;  // which column of `matrix` each column equals
 };
 
 /// Uses SparsePoints; O(ones + columns log columns).
 DistinctColumns distinct_columns(const VisibilityMatrix& matrix);
 /// The points as columns: column p is point p.
 VisibilityMatrix matrix_of(const SparsePoints& points);
-/// Expands an order of the kinds into one of all columns; columns of one kind keep their order.
+/// Expands an order of the distinct columns into one of all columns; equal columns keep their order.
 Permutation unfold(const Permutation& order_of_distinct,
                    const std::vector<std::uint32_t>& distinct_of_column);
 

@@ -1,12 +1,13 @@
-// ALGORITHM. The local search of every tour here: sequential 3-opt over candidate lists [Lin 1965; Johnson & McGeoch
-// 1997]. t1-t2 is given up for t2-t3, with t3 near t2. Then t3-t4 is given up for t4-t1 (2-opt), or for t4-t5, with t5
-// near t4, and t5-t6 for t6-t1: that is 2-opt twice, or two parts of the tour that change places or are reversed where
-// they are. Or-opt [Or 1976] is the case of short parts. A move is followed further only while it has gained up to an
-// added edge, and the first gain is taken. Points whose edges changed wait in a queue, the others are left alone
-// (don't-look bits [Bentley 1992]).
+// Local search for tours: 3-opt over candidate lists, with kicks.
 //
-// Tried and lost: 2-opt and Or-opt with parts of up to 3 points; parts of at most 10 points in a kick; kicks all over
-// the tour. docs/orders.md has the figures.
+// ALGORITHM. Sequential 3-opt over candidate lists [Lin 1965; Johnson & McGeoch 1997]. t1-t2 is given up for t2-t3,
+// with t3 near t2. Then t3-t4 is given up for t4-t1 (2-opt), or for t4-t5, with t5 near t4, and t5-t6 for t6-t1: that
+// is 2-opt twice, or two parts of the tour that change places or are reversed where they are. Or-opt [Or 1976] is the
+// case of short parts. A move is followed further only while it has gained up to an added edge, and the first gain is
+// taken. Points whose edges changed wait in a queue, the others are left alone (don't-look bits [Bentley 1992]).
+//
+// Tried and found worse: 2-opt and Or-opt with parts of up to 3 points; parts of at most 10 points in a kick; kicks all
+// over the tour. docs/orders.md has the figures.
 #pragma once
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-// ALGORITHM [Chhugani et al. 2005, 6.1]. The paper's tour, with two liberties.
+// ALGORITHM [Chhugani et al. 2005, section 6.1]. The paper's tour, with two liberties.
 // - Columns in blocks of samples / 8 share a sample: one sample for all would leave every other column unlisted, one
 //   for each is too expensive. A block's exact distances then come from an inverted index of its sample: each one
 //   of a column adds 1 to the sampled columns with a one in that row, and |a xor b| = |a| + |b| - 2 |a and b|.

@@ -14,7 +14,6 @@ namespace vismat {
   throw FormatError(where + ": " + what);
 }
 
-
 /// An identifier that is closed with this object; negative if the library refused.
 template <herr_t (*close)(hid_t)>
 class Hdf5Id {

@@ -1,4 +1,4 @@
-// Builds a hierarchy over any set of boxes, by median splits.
+// Builds a tree over any set of boxes, by median splits.
 #pragma once
 #include <span>
 
@@ -7,10 +7,10 @@
 
 namespace vismat {
 
-/// Object i is boxes[i]; each is in one leaf, each leaf holds one. Every inner node has exactly `arity`
-/// children (4: as the quadtree of Zach and Karner 2003), but for at most one that has fewer. Nodes are numbered breadth
-/// first. Depends on the boxes alone: equal centres are told apart by their index. O(n log^2 n). Throws
-/// std::invalid_argument for an arity below 2 or a box that is not finite.
+/// The tree of bounding boxes. Object i is boxes[i]; each object is in one leaf, and each leaf holds one object. Every
+/// inner node has exactly `arity` children (4: as the quadtree of Zach and Karner 2003), except that at most one may
+/// have fewer. Nodes are numbered breadth first. The tree depends only on the boxes: equal centres are told apart by
+/// their index. O(n log^2 n). Throws std::invalid_argument for an arity below 2 or a box that is not finite.
 ObjectTree bounding_volume_tree(std::span<const Box> boxes, unsigned arity = 4);
 
 }  // namespace vismat

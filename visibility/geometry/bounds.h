@@ -1,4 +1,4 @@
-// The least axis-aligned box around points, in double precision.
+// The smallest axis-aligned box around points, in double precision.
 #pragma once
 #include <algorithm>
 #include <glm/common.hpp>
@@ -10,7 +10,7 @@
 
 namespace vismat {
 
-/// Of no points at first.
+/// A box that holds no points at first.
 struct Bounds {
   glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
 };
@@ -26,19 +26,19 @@ inline Bounds bounds_of(std::span<const glm::dvec3> points) {
   return bounds;
 }
 
-/// The same box.
+/// The same box in double precision.
 inline Bounds bounds_of(const Box& box) {
   return {{box.low[0], box.low[1], box.low[2]}, {box.high[0], box.high[1], box.high[2]}};
 }
 
-/// The mean of the points, of which there is one at least.
+/// The mean of the points, of which there must be at least one.
 inline glm::dvec3 middle_of(std::span<const glm::dvec3> points) {
   glm::dvec3 sum{};
   for (const glm::dvec3& point : points) sum += point - points[0];
   return points[0] + sum / static_cast<double>(points.size());
 }
 
-/// The greatest absolute value of the coordinates.
+/// The largest absolute value of the coordinates.
 inline double largest_coordinate(const glm::dvec3& point) {
   const glm::dvec3 size = glm::abs(point);
   return std::max({size.x, size.y, size.z});

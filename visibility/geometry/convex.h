@@ -1,4 +1,4 @@
-// Convex solids and flat convex polygons, which view cells and occluders are.
+// Convex solids and flat convex polygons: the shapes of view cells and occluders.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,8 +10,9 @@
 
 namespace vismat {
 
-/// A closed convex polytope; flat ones have faces back to back. Which side of which face a point lies on, and which edges
-/// are seen as the outline, follow from the faces' planes and the edges' two faces alone, so flat ones need no special case.
+/// A closed convex polytope; a flat one has faces back to back. The faces' planes and the edges' two faces alone decide
+/// on which side of a face a point lies and which edges are seen as the outline, so flat polytopes need no special
+/// case.
 struct Convex {
   struct Face {
     glm::dvec3 normal{};                 // unit length, outward
@@ -26,24 +27,27 @@ struct Convex {
   std::vector<Edge> edges;
 };
 
-/// 8 vertices, 6 faces, 12 edges, however flat the box.
+/// The box as a solid: 8 vertices, 6 faces, 12 edges, however flat it is.
 Convex convex_box(const Box& box);
-/// The same for a box that is turned: corner bits 1, 2 and 4 tell high x, y and z in its own frame.
+/// The same for a turned box: bits 1, 2 and 4 of a corner's number say whether it is at the high x, y and z of the
+/// box's own frame.
 Convex convex_turned_box(std::vector<glm::dvec3> corners);
-/// Over the triangle `ground`, from `low` to `high` above it: 6 vertices, 5 faces, 9 edges. The triangle may slope.
+/// The prism over the triangle `ground`, from `low` to `high` above it: 6 vertices, 5 faces, 9 edges. The triangle may
+/// slope.
 Convex convex_prism(const std::array<glm::vec3, 3>& ground, float low, float high);
-/// A flat convex polygon, corners in order round it; two faces. `normal` belongs to the side from which they run
+/// A flat convex polygon with two faces, from its corners in order. `normal` belongs to the side from which they run
 /// counter-clockwise.
 Convex convex_polygon(std::span<const glm::dvec3> corners, const glm::dvec3& normal);
 /// The same polygon as a view cell: a plate without thickness whose rim has faces of its own, so that what stands beside it
 /// sees an outline too.
 Convex convex_plate(std::span<const glm::dvec3> corners, const glm::dvec3& normal);
-/// From vertices and the faces' corners, counter-clockwise from outside; planes are Newell's, moved outward until no vertex
-/// lies beyond them. Throws std::invalid_argument unless each edge has two faces that run along it in opposite directions.
+/// The solid with these vertices and faces, whose corners run counter-clockwise seen from outside. Planes are Newell's,
+/// moved outward until no vertex lies beyond them. Throws std::invalid_argument unless each edge has two faces that run
+/// along it in opposite directions.
 Convex convex_from_faces(std::vector<glm::dvec3> vertices,
                          std::vector<std::vector<std::uint16_t>> corners_of_face);
 
-/// The greatest signed distance of a vertex from a plane dot(normal, x) = offset.
+/// The largest signed distance of a vertex from the plane dot(normal, x) = offset.
 double farthest_beyond(std::span<const glm::dvec3> vertices, const glm::dvec3& normal, double offset);
 
 }  // namespace vismat

@@ -8,15 +8,15 @@
 
 namespace vismat {
 
-/// Above 0 where b points to the left of a.
+/// The cross product, which is above 0 if b points to the left of a.
 inline double cross(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-/// The corners of the points' convex hull in the xy plane, counter-clockwise from the least (x, y), none of them on a line
-/// between others; fewer than three where the points have no area. `turn(a, b, c)` is above 0 where the way a, b, c turns left
-/// at b: rounded in different ways it keeps different corners of nearly straight sides, so the caller gives it. Monotone chain
-/// [Andrew 1979]; O(n log n).
+/// The corners of the points' convex hull in the xy plane, counter-clockwise from the least (x, y), none of them on a
+/// line between others; fewer than three if the hull has no area. `turn(a, b, c)` is above 0 if the way a, b, c turns
+/// left at b. The caller gives it, since turns that are rounded in different ways keep different corners of nearly
+/// straight sides. Monotone chain [Andrew 1979]; O(n log n).
 template <typename Point, typename Turn>
 std::vector<Point> convex_hull(std::vector<Point> points, const Turn& turn) {
   std::sort(points.begin(), points.end(),

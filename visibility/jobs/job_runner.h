@@ -1,4 +1,4 @@
-// Runs stages of independent pieces of work, on the threads of one process or of many, and keeps what is done.
+// Runs stages of independent pieces of work, on the threads of one process or of several, and keeps finished pieces.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -19,29 +19,29 @@ namespace vismat {
 
 class PieceStore;
 
-/// Runs stages of independent pieces. A piece's bytes depend on its number and on what earlier stages gave alone, so any
-/// number of threads or processes, and any interruption, leaves the same bytes.
+/// Runs stages of independent pieces. A piece's bytes depend only on its number and on the results of earlier stages,
+/// so any number of threads or processes, and any interruption, leads to the same bytes.
 class JobRunner {
  public:
   using Piece = std::vector<std::byte>;
   virtual ~JobRunner() = default;
 
-  /// piece(i) for each i in [0, count), in order, on every process. `stage` names the work, once a run. `progress` counts
-  /// the pieces that were not stored, over all processes, on the one that leads. An exception on any process ends the
-  /// stage on all of them.
+  /// Returns piece(i) for each i in [0, count), in order, on every process. `stage` names the work and is used once in
+  /// a run. `progress`, on the process that leads, counts the pieces of all processes that were not stored before. An
+  /// exception on any process ends the stage on all of them.
   virtual std::vector<Piece> run(const std::string& stage, std::uint64_t count,
                                  const std::function<Piece(std::uint64_t)>& piece,
                                  const Progress& progress = {}) = 0;
-  /// The one process that writes the output and talks.
+  /// Whether this is the one process that writes the output and prints messages.
   virtual bool leads() const { return true; }
-  /// From now on finished pieces go there, on the process that leads; it must outlive the runs.
+  /// From now on the process that leads stores finished pieces there; the store must outlive the runs.
   void keep_in(PieceStore& store) { store_ = &store; }
 
  protected:
   PieceStore* store_ = nullptr;
 };
 
-/// A list as bytes: how many items, in 8 bytes, then the items, all in this machine's order of bytes.
+/// Appends a list as bytes: the number of its items, in 8 bytes, then the items, all in this machine's byte order.
 template <typename Item>
 void put(JobRunner::Piece& piece, std::span<const Item> items) {
   static_assert(std::is_trivially_copyable_v<Item>);
@@ -50,7 +50,7 @@ void put(JobRunner::Piece& piece, std::span<const Item> items) {
     piece.insert(piece.end(), bytes.begin(), bytes.end());
   }
 }
-/// Takes a list off the front; throws FormatError if it is not whole.
+/// Removes a list from the front and returns it; throws FormatError if it is not complete.
 template <typename Item>
 std::vector<Item> take(std::span<const std::byte>& bytes) {
   std::uint64_t count = 0;
@@ -64,18 +64,18 @@ std::vector<Item> take(std::span<const std::byte>& bytes) {
   return items;
 }
 
-/// Where finished pieces outlive the run.
+/// A place where finished pieces outlive the run.
 class PieceStore {
  public:
   virtual ~PieceStore() = default;
-  /// Puts what is stored of a stage in its places, and returns the numbers of the other pieces, ascending.
+  /// Fills in the pieces of the stage that are stored, and returns the numbers of the others, ascending.
   virtual std::vector<std::uint64_t> restore(const std::string& stage,
                                              std::vector<JobRunner::Piece>& pieces) = 0;
   /// May be called by several threads at once.
   virtual void store(const std::string& stage, std::uint64_t number, const JobRunner::Piece& piece) = 0;
 };
 
-/// As restore; with no store (null), all the numbers.
+/// Like restore(); without a store it returns all numbers.
 inline std::vector<std::uint64_t> missing_pieces(PieceStore* store, const std::string& stage,
                                                  std::vector<JobRunner::Piece>& pieces) {
   if (store != nullptr) return store->restore(stage, pieces);
@@ -84,7 +84,7 @@ inline std::vector<std::uint64_t> missing_pieces(PieceStore* store, const std::s
   return all;
 }
 
-/// Progress of at most so many stages one after another, of about as many pieces each.
+/// The progress of at most `rounds` stages, one after another, of about as many pieces each.
 class ProgressOfRounds {
  public:
   ProgressOfRounds(Progress all, std::uint32_t rounds) : all_(std::move(all)), rounds_(rounds) {}
@@ -95,7 +95,7 @@ class ProgressOfRounds {
       all_(std::min(round * pieces_ + done, rounds_ * pieces_), rounds_ * pieces_);
     };
   }
-  /// The last round is over, perhaps before its time.
+  /// Reports that the last round is over, perhaps before all rounds were needed.
   void end() const {
     if (all_) all_(rounds_ * pieces_, rounds_ * pieces_);
   }
@@ -106,7 +106,7 @@ class ProgressOfRounds {
   std::uint64_t pieces_ = 0;  // of the longest stage so far
 };
 
-/// The threads of this process (0: one a core).
+/// Runs pieces on the threads of this process (0: one for each core).
 class ThreadJobRunner : public JobRunner {
  public:
   explicit ThreadJobRunner(unsigned threads = 0) : threads_(threads) {}

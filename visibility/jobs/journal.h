@@ -1,4 +1,4 @@
-// A journal: finished pieces of work in a file beside the output, from which a run that was killed goes on.
+// A journal: finished pieces of work in a file beside the output, from which a run that was killed is continued.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -13,26 +13,26 @@
 
 namespace vismat {
 
-/// A file of pieces, appended as they are done. Whatever ends the run (kill -9, a full disk), the next one finds all
-/// pieces that were stored; a torn last one is cut off. One process at a time.
+/// A file to which pieces are appended as they are finished. Whatever ends the run (kill -9, a full disk), the next run
+/// finds all pieces that were stored; an incomplete last one is cut off. Only one process at a time may use it.
 class Journal : public PieceStore {
  public:
-  /// Begins the file, or goes on with it. `work` tells in words all that the pieces depend on: inputs with their
-  /// checksums, options. Throws std::invalid_argument if the file holds other work or another process has it open,
-  /// FormatError if it is no journal, std::runtime_error if it cannot be written; the file then stays as it is.
+  /// Begins the file, or continues it. `work` describes all that the pieces depend on: inputs with their checksums,
+  /// options. Throws std::invalid_argument if the file holds other work or another process has it open, FormatError if
+  /// it is no journal, std::runtime_error if it cannot be written; the file then stays as it is.
   Journal(std::filesystem::path path, const std::string& work);
   ~Journal() override;
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  /// Throws std::logic_error where a stage is asked for twice: its pieces would be taken for one another's.
+  /// Throws std::logic_error if a stage is asked for twice: its pieces would be mixed up.
   std::vector<std::uint64_t> restore(const std::string& stage,
                                      std::vector<JobRunner::Piece>& pieces) override;
-  /// Throws std::runtime_error if the disk is full; what was stored before stays good.
+  /// Throws std::runtime_error if the disk is full; what was stored before stays valid.
   void store(const std::string& stage, std::uint64_t number, const JobRunner::Piece& piece) override;
-  /// How many pieces earlier runs left.
+  /// The number of pieces that earlier runs left.
   std::uint64_t found() const { return found_; }
-  /// The work is done and written elsewhere: the file goes.
+  /// Deletes the file, when the work is done and written elsewhere.
   void remove();
 
  private:
@@ -49,7 +49,8 @@ class Journal : public PieceStore {
   std::mutex mutex_;  // guards the file and end_
 };
 
-/// A journal's bytes. Whole records from the start count; what follows the first that is torn or damaged does not.
+/// What a journal's bytes hold. Complete records from the start count; what follows the first incomplete or damaged one
+/// does not.
 struct JournalContents {
   struct Record {
     std::string_view stage;
@@ -58,7 +59,7 @@ struct JournalContents {
   };
   std::string_view work;
   std::vector<Record> records;  // all borrow from the bytes
-  std::size_t end = 0;          // of the last whole record
+  std::size_t end = 0;          // of the last complete record
 };
 /// Throws FormatError unless the bytes begin with a journal's head.
 JournalContents read_journal(std::span<const std::byte> bytes);

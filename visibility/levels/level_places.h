@@ -1,4 +1,4 @@
-// Tells in which cell of a level a point lies.
+// Finds in which cell of a level a point lies.
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -8,7 +8,7 @@
 
 namespace vismat {
 
-/// The level's own BSP tree with its planes; metres. Empty where a level has none.
+/// The level's own BSP tree with its planes, in metres. Empty if a level has none.
 struct LevelPlaces {
   struct Plane {
     glm::vec3 normal{};
@@ -20,15 +20,16 @@ struct LevelPlaces {
   };
   std::vector<Plane> planes;
   std::vector<Node> nodes;                 // the first is the root
-  std::vector<std::int32_t> cell_of_leaf;  // negative: within walls, or outside of all
+  std::vector<std::int32_t> cell_of_leaf;  // negative: within walls, or outside the level
 };
 
-/// Part of a segment, from and to in [0, 1] along it.
+/// A part of a segment, `from` and `to` in [0, 1] along it, and the cell in which it lies.
 struct Stay {
   std::int32_t cell = -1;
   double from = 0, to = 1;
 };
-/// The cells that a segment passes, in order; neighbouring parts in one cell are one. Needs places.
+/// The cells through which a segment passes, in order; neighbouring parts in one cell are joined. `places` must not be
+/// empty.
 std::vector<Stay> stays_along(const LevelPlaces& places, const glm::dvec3& from, const glm::dvec3& to);
 std::int32_t cell_at(const LevelPlaces& places, const glm::dvec3& point);
 

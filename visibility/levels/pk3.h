@@ -11,13 +11,12 @@
 
 namespace vismat {
 
-/// Reads the directory at once, members on request. Every failure is a FormatError, or a std::runtime_error
-/// naming the path for a file that cannot be opened; trust nothing that a member says of its size, so a zip
-/// that claims gigabytes costs at most most_member_bytes of memory.
+/// Reads the directory at once, and members on request. Every failure is a FormatError, or for a file that cannot be
+/// opened a std::runtime_error naming the path. Do not trust what a member says about its size: an archive that claims
+/// gigabytes costs at most most_member_bytes of memory.
 class Pk3 {
  public:
-  static constexpr std::uint64_t most_member_bytes =
-      256 << 20;  // the largest level of Debian's packages has 10.6 MB
+  static constexpr std::uint64_t most_member_bytes = 256 << 20;  // levels are far smaller
 
   explicit Pk3(const std::filesystem::path& path);
   explicit Pk3(std::span<const std::byte> bytes);  // borrowed while *this lives
@@ -28,7 +27,7 @@ class Pk3 {
   };
   std::vector<Map> maps() const;             // members that end in .bsp, in the archive's order
   std::vector<std::string> scripts() const;  // members that end in .shader, in the archive's order
-  /// By exact name; where there is none the message lists the first maps there are.
+  /// Reads the member of exactly this name; if there is none, the message lists the first maps of the archive.
   std::vector<std::byte> read(const std::string& member) const;
 
  private:

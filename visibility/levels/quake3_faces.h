@@ -1,4 +1,4 @@
-// Makes triangles of the faces of a Quake 3 level.
+// Makes triangles from the faces of a Quake 3 level.
 #pragma once
 #include <set>
 #include <string>
@@ -10,11 +10,13 @@
 
 namespace vismat::quake3 {
 
-/// A scene that grows by a face, which is one object, at a call to add(). Throws FormatError for lumps that do not fit.
+/// A scene to which each call of add() adds one face, which becomes one object. Throws FormatError for lumps that do
+/// not fit together.
 class FaceGeometry {
  public:
   FaceGeometry(const Lumps& lumps, const std::set<std::string>& see_through_shaders);
-  /// Adds a face's triangles, in metres, and returns their box. Faces that are only bumped into have none in the scene.
+  /// Adds a face's triangles, in metres, and returns their box. Faces that players only bump into add no triangles to
+  /// the scene.
   Box add(const Face& face, std::size_t number);
   Scene take();
 

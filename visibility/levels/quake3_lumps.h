@@ -58,15 +58,16 @@ static_assert(sizeof(Shader) == 72 && sizeof(Node) == 36 && sizeof(Leaf) == 48 &
 
 using Lumps = std::array<std::span<const std::byte>, lump_count>;
 
-/// Throws FormatError, as what follows does, where the file is no level of version 46 or a lump lies outside of it.
+/// Finds the lumps. Throws FormatError, as do the functions below, if the file is no level of version 46 or a lump lies
+/// outside it.
 Lumps read_directory(std::span<const std::byte> file);
 
-/// "lump 13 (faces)".
+/// The lump as messages name it: "lump 13 (faces)".
 std::string name_of(int lump);
 [[noreturn]] void refuse(int lump, const std::string& what);
 [[noreturn]] void refuse(int lump, const char* kind, std::size_t number, const std::string& what);
 
-/// "3 to 7", for messages.
+/// A range as messages name it: "3 to 7".
 std::string range(std::int64_t first, std::int64_t count);
 bool in_range(std::int64_t first, std::int64_t count, std::size_t size);
 

@@ -11,7 +11,7 @@
 
 namespace vismat {
 
-/// All the records of a lump; `lump_name` begins the FormatError thrown if the last one is cut off.
+/// All records of a lump. If the last one is cut off it throws a FormatError that begins with `lump_name`.
 template <typename Record>
 std::vector<Record> read_records(std::span<const std::byte> lump, const std::string& lump_name) {
   static_assert(std::is_trivially_copyable_v<Record>);

@@ -10,18 +10,20 @@
 namespace vismat {
 
 enum class MeshFormat { obj, ply, off, stl };
-/// By the name's ending, in any case; nothing for another one.
+/// The format that the name's ending (in any case) names; nothing for another ending.
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& path);
 
-/// The file's triangles as one object, in the file's units and axes, in its order; see weld and split_into_components. Polygons
-/// are cut into triangles, concave ones too; a face of one or two corners becomes a triangle without area, for weld to count.
-/// OBJ: positions and faces, indices from either end, lines continued by a backslash; groups, materials, lines and points are left
-/// out. PLY: text and binary of either byte order, any types and further properties. OFF: text, with colours and so
-/// on. STL: text and binary. Throws FormatError, one line that says where (line, face or byte), for whatever is damaged,
-/// cut short, without triangles, not a number or beyond 1e9, and for indices and counts that cannot be. Memory is bounded by the
-/// bytes given. O(bytes), O(corners^2) for a polygon of at most 4096 corners.
+/// Reads the file's triangles as one object, in the file's units and axes, in its order; see weld and
+/// split_into_components. Polygons are cut into triangles, concave ones too; a face of one or two corners becomes a
+/// triangle without area, for weld to count. OBJ: positions and faces, indices from either end, lines continued by a
+/// backslash; groups, materials, lines and points are left out. PLY: text and binary of either byte order, any types
+/// and further properties. OFF: text, with colours and so on. STL: text and binary. Throws FormatError, one line that
+/// says where (line, face or byte), for a file that is damaged, cut short or without triangles, for coordinates that
+/// are not numbers or beyond 1e9, and for indices and counts that are impossible. Memory is bounded by the bytes given.
+/// O(bytes), and O(corners^2) for a polygon of at most 4096 corners.
 Scene parse_mesh(std::span<const std::byte> bytes, MeshFormat format);
-/// As above, each message beginning with the path; std::invalid_argument for another ending than .obj, .ply, .off or .stl.
+/// The same from a file; each message begins with its path. Throws std::invalid_argument for an ending other than .obj,
+/// .ply, .off or .stl.
 Scene read_mesh(const std::filesystem::path& path);
 
 }  // namespace vismat

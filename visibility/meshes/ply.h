@@ -7,7 +7,7 @@
 
 namespace vismat {
 
-/// As parse_mesh, for PLY.
+/// Like parse_mesh, for PLY files.
 Scene parse_ply(std::span<const std::byte> bytes);
 
 }  // namespace vismat

@@ -16,10 +16,10 @@ namespace vismat {
 inline constexpr std::uint64_t most_points = 0xfffffffe;  // and triangles
 inline constexpr double farthest_point = 1e9;
 
-/// What the reader of each format fills.
+/// The vertices and faces that the reader of each format fills in.
 class Polygons {
  public:
-  /// `place` names faces in messages: "line" if begin_face is given lines, "face" if numbers.
+  /// `place` names faces in messages: "line" if begin_face is given lines, "face" if it is given numbers.
   explicit Polygons(const char* place) : place_(place) {}
 
   template <typename Fail>
@@ -36,12 +36,13 @@ class Polygons {
     where_.push_back(where);
     first_corner_.push_back(corners_.size());
   }
-  /// `point` counts from 0 and may name one that comes later.
+  /// `point` counts from 0; it may be a point that is added later.
   void add_corner(std::uint64_t point) {
     corners_.push_back(static_cast<std::uint32_t>(std::min(point, most_points)));
   }
 
-  /// The scene, one object. Throws FormatError for what names points that are not there, has no faces, and so on.
+  /// The scene, with one object. Throws FormatError if a face names points that do not exist, if there are no faces,
+  /// and so on.
   Scene take();
 
  private:

@@ -12,19 +12,20 @@
 namespace vismat {
 
 std::string lower_case(std::string_view text);
-/// In quotes, as it may stand in a message: short and printable.
+/// The word in quotes, short and printable, for messages.
 std::string shown(std::string_view word);
 
-/// Words and lines of a text, counted from 1.
+/// The words and lines of a text; lines are counted from 1.
 class Text {
  public:
-  /// `comment` starts one that ends with the line, unless it is '\n'; lines may go on after a backslash if `continued`.
+  /// `comment` begins a comment that ends with the line, unless it is '\n'; a line may be continued after a backslash
+  /// if `continued`.
   Text(std::string_view text, char comment, bool continued)
       : text_(text), comment_(comment), continued_(continued) {}
 
   /// The next word of this line; empty at its end.
   std::string_view word_of_line();
-  /// To the start of the next line; false at the end of the text.
+  /// Goes to the start of the next line; false at the end of the text.
   bool next_line() {
     at_ = std::min(text_.find('\n', at_), text_.size());
     if (at_ == text_.size()) return false;
@@ -32,14 +33,14 @@ class Text {
     ++line_;
     return true;
   }
-  /// The next word on whichever line; empty at the end.
+  /// The next word on any line; empty at the end.
   std::string_view word() {
     for (;;) {
       if (const std::string_view found = word_of_line(); !found.empty()) return found;
       if (!next_line()) return {};
     }
   }
-  /// The word as a number; `what` is due there ("a coordinate").
+  /// The word as a number; `what` says in messages what should be there ("a coordinate").
   double number(std::string_view word, const char* what) const;
   [[noreturn]] void fail(const std::string& message) const {
     throw FormatError("line " + std::to_string(line_) + ": " + message);
@@ -61,7 +62,7 @@ class Text {
   std::uint64_t line_ = 1;
 };
 
-/// Three numbers of a text, on one line or wherever they stand.
+/// Reads three numbers, all on this line if `of_line`, otherwise on any lines.
 std::array<double, 3> coordinates(Text& text, bool of_line);
 
 }  // namespace vismat

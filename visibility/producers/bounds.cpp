@@ -1,5 +1,5 @@
 // ALGORITHM. The shadows of a cell's first views leave some objects; rays are aimed at those alone, and find most of what is seen; what
-// neither proves is looked at from patches of the cell's boundary, with rays from where it may be seen. So each method works only
+// neither proves is looked at from patches of the cell's surface, with rays from where it may be seen. So each method works only
 // where the other gave no answer.
 #include "visibility/producers/bounds.h"
 

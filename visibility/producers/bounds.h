@@ -1,4 +1,4 @@
-// Bounds on what each view cell of a scene sees: what shadows prove hidden and, if wanted, what rays prove seen.
+// Bounds on what each view cell of a scene sees: what shadows prove hidden and, if asked for, what rays prove seen.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,30 +14,32 @@
 
 namespace vismat {
 
-/// Without rays: conservative, proves what is hidden. With rays, a sandwich: sampling proves what of the rest is seen, and only what is
-/// undecided then is refined, by patches and rays from them. (Rays alone: see_by_sampling.)
+/// How the bounds are found. Without rays only what is hidden is proven. With rays both are: sampling proves objects
+/// seen that the shadows leave, and only the objects that are then undecided are examined further, by patches and rays
+/// from them. (see_by_sampling casts rays alone.)
 struct BoundsOptions {
   OccluderOptions occluders;
   ShadowOptions shadow;
-  std::optional<SampledOptions> sampled;  // nothing: no object is proven seen
-  std::uint64_t patch_rays = 0;           // a patch, at what is undecided from there; needs `sampled`
+  std::optional<SampledOptions> sampled;  // if absent, no object is proven seen
+  std::uint64_t patch_rays = 0;           // from each patch, at objects still undecided; needs `sampled`
 };
 
-/// Time for accuracy, in three steps: 0 is one shadow view a cell, from nine of its points; 1 a sandwich with some patches; 2 with
-/// many, about 8, 120 and 950 ms a cell of a city of a million triangles. Throws std::invalid_argument for others.
+/// The options of the three efforts, which trade time for accuracy: 0 is one shadow view of each cell, from nine of its
+/// points; 1 adds rays and some patches; 2 has many patches. Throws std::invalid_argument for other numbers.
 BoundsOptions effort(unsigned level);
-/// What `options` make of the effort that they name: shadows alone, or a sandwich.
+/// The bounds options of `options`: those of its effort, changed where an option is given; shadows alone, or with rays.
 BoundsOptions bounds_options(const ProducerOptions& options, bool with_rays);
 
-/// Sight::degree and Sight::lines as see_by_sampling() gives them. Same scene, cells and options, same result, for any JobRunner, on one kind of CPU.
+/// What the cells see. Sight::degree and Sight::lines are as see_by_sampling() gives them. The same scene, cells and
+/// options give the same result with any JobRunner, on one kind of CPU.
 Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, JobRunner& runner,
                  const Stages& stages = {});
-/// The same with what was made before, of one scene; options.occluders is not looked at. `rays` may be null without
-/// options.sampled.
+/// The same with shadows and rays that were made before, both of one scene; options.occluders is not used. `rays` may
+/// be null without options.sampled.
 Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells& cells,
                  const BoundsOptions& options, JobRunner& runner, const Stages& stages = {});
 
-/// One line that names every parameter.
+/// The options in one line that names every parameter.
 std::string describe(const BoundsOptions& options);
 
 }  // namespace vismat

@@ -1,4 +1,5 @@
-// The table of producers: each tells what every view cell of a scene sees. The program and the tests loop over it.
+// The table of producers: methods that compute what each view cell of a scene sees. The program and the tests loop over
+// it.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -17,20 +18,21 @@
 
 namespace vismat {
 
-/// What all producers can be told; producer_options() says what each means. Nothing: the producer's default.
+/// The options of all producers; producer_options() says what each means. An empty option means the producer's default.
 struct ProducerOptions {
   std::optional<std::uint32_t> effort, points, patches, resolution, patch_resolution;
   std::optional<std::uint64_t> rays, patch_rays;
   std::optional<std::uint32_t> directions, viewpoints, passes;
   std::optional<double> enough;
   std::optional<std::uint64_t> seed;
-  unsigned threads = 0;  // of what a producer prepares by itself; 0: one a core. No result depends on it
+  unsigned threads =
+      0;  // for what a producer prepares by itself; 0: one for each core. No result depends on it
 };
 using ProducerSetting =
     std::variant<std::optional<std::uint32_t> ProducerOptions::*,
                  std::optional<std::uint64_t> ProducerOptions::*, std::optional<double> ProducerOptions::*>;
 
-/// How one of them is called on a command line, without the dashes; what it means; and its default, "" where that depends on
+/// An option as a command line has it: its name without the dashes; its help; and its default, "" if that depends on
 /// the effort.
 struct ProducerOption {
   std::string_view name, help, by_default;
@@ -38,22 +40,23 @@ struct ProducerOption {
 };
 std::span<const ProducerOption> producer_options();
 
-/// A plain value.
+/// A method that computes what each view cell of a scene sees.
 struct Producer {
   std::string_view name;
   std::string_view idea;  // one line
-  /// Of what it lists. conservative: Sight::not_hidden lists all that is visible; aggressive: all that Sight::seen lists is
-  /// visible.
+  /// What it guarantees. conservative: Sight::not_hidden lists all that is visible; aggressive: all that Sight::seen
+  /// lists is visible.
   Guarantee guarantee = Guarantee::unknown;
-  /// Of a conservative one: Sight::seen lists what is visible for sure.
+  /// Whether a conservative producer also fills Sight::seen, with what is proven visible.
   bool seen_too = false;
-  std::vector<ProducerSetting> options;  // what it takes; never ProducerOptions::threads
-  /// One line that names whatever the result depends on beside scene and cells; it goes into the file, and a journal is for it
-  /// alone. Throws std::invalid_argument for options out of range.
+  std::vector<ProducerSetting> options;  // those that it takes; never ProducerOptions::threads
+  /// One line that names whatever the result depends on besides scene and cells. It goes into the file, and a journal
+  /// belongs to it alone. Throws std::invalid_argument for options out of range.
   std::string (*describe)(const ProducerOptions& options) = nullptr;
-  /// Same scene, cells and options, same result, whatever the JobRunner, on one kind of CPU: all long work goes through the
-  /// runner, so that it is shared between processes and goes on after a kill. Called on each process alike. Throws
-  /// std::invalid_argument for options out of range and for view cells of a kind that it cannot serve.
+  /// Computes what the cells see. The same scene, cells and options give the same result with any JobRunner, on one
+  /// kind of CPU. All long work goes through the runner, so that it is shared between processes and continued after a
+  /// kill. Is called on each process alike. Throws std::invalid_argument for options out of range and for view cells of
+  /// a kind that it cannot handle.
   Sight (*see)(const Scene& scene, const ViewCells& cells, const ProducerOptions& options, JobRunner& runner,
                const Stages& stages) = nullptr;
 
@@ -65,16 +68,16 @@ struct Producer {
   }
 };
 
-/// All of them, in the order of tables.
+/// All producers, in the order in which tables list them.
 std::span<const Producer> producers();
-/// Throws std::invalid_argument where there is none of that name.
+/// The producer of that name. Throws std::invalid_argument if there is none.
 const Producer& producer_named(std::string_view name);
-/// The names of those that take an option, with commas between.
+/// The names of the producers that take the option, with commas between them.
 std::string takers_of(const ProducerOption& option);
-/// Throws std::invalid_argument where options are given that the producer does not take.
+/// Throws std::invalid_argument if options are given that the producer does not take.
 void check_taken(const Producer& producer, const ProducerOptions& options);
 
-/// A file each.
+/// Each of these has a file of its own.
 Producer shadow_producer();
 Producer sampled_producer();
 Producer sandwich_producer();

@@ -1,4 +1,4 @@
-// The producer "shadow": hidden is what lies in an occluder's shadow, from the whole cell or from every patch of its boundary.
+// The producer "shadow": hidden is what lies in an occluder's shadow, from the whole cell or from every patch of its surface.
 #include "visibility/producers/bounds.h"
 #include "visibility/producers/producers.h"
 

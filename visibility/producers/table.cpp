@@ -27,10 +27,8 @@ std::span<const ProducerOption> producer_options() {
   using O = ProducerOptions;
   static const std::vector<ProducerOption> table = {
       {"effort",
-       "0: shadows of the whole view cell; 1: also rays, and some patches of the view cell's surface; 2: "
-       "many "
-       "patches",
-       "1", &O::effort},
+       "0: shadows of the whole view cell; 1: also of some patches of its surface; 2: of many patches", "1",
+       &O::effort},
       {"points", "Number of projection points of a view cell: 1, 9 or 27", "", &O::points},
       {"patches", "Greatest number of patches of a view cell's surface to look from", "", &O::patches},
       {"resolution", "Pixels along a side of each of a view's six faces", "", &O::resolution},

@@ -14,33 +14,36 @@
 
 namespace vismat {
 
-/// An object that a ray from a view cell reached first.
+/// An object that a ray from a view cell reached first, and that ray.
 struct SeenObject {
   std::uint32_t object = 0;
   SightLine line;
   bool operator==(const SeenObject&) const = default;
 };
 
-/// Finds objects that are seen from a view cell; may miss some, and never invents one. Every sight line was traced as it is given: the first
-/// thing on the way from `from` to `to` is the object, at `to` but for rounding. May be shared by threads.
+/// Finds objects that are seen from a view cell; it may miss some, and never invents one. Every sight line was traced
+/// as it is given: the first thing on the way from `from` to `to` is the object, at `to` except for rounding. May be
+/// shared by threads.
 class AimedRays {
  public:
-  /// Borrows both. O(triangles).
+  /// Borrows scene and caster. O(triangles).
   AimedRays(const Scene& scene, const RayCaster& caster);
 
-  /// Ascending by object, none twice. `rays` is how many were cast.
+  /// The objects that were seen, ascending and each once, and the number of rays that were cast.
   struct Seen {
     std::vector<SeenObject> objects;
     std::uint64_t rays = 0;
   };
-  /// Which of `targets` (ascending, none twice) are seen: first what touches the cell (from == to), then by at most `rays` rays
-  /// at those not seen yet. `hints`: sight lines from other places at some of the targets. Same arguments, same answer.
+  /// Which of `targets` (ascending, each once) are seen. First come those that touch the cell (from == to), then at
+  /// most `rays` rays are cast at those that are not seen yet. `hints` are sight lines from other places to some of the
+  /// targets. The same arguments give the same answer.
   Seen from(const CellPoints& cell, std::span<const std::uint32_t> targets, std::uint64_t rays, Random random,
             std::span<const SeenObject> hints = {}) const;
 
-  /// Traces it again: the object is the first thing on its sight line, but for what is see-through, and lies at its end.
+  /// Traces the sight line again: whether the object is the first thing on it, except for see-through things, and lies
+  /// at its end.
   bool confirms(const SeenObject& seen) const;
-  /// About uniform by area, of an object that has some.
+  /// A random point of an object that has some area, about uniform by area.
   glm::vec3 point_of(std::uint32_t object, Random& random) const;
   bool has_area(std::uint32_t object) const { return first_patch_[object] < first_patch_[object + 1]; }
 
@@ -56,11 +59,12 @@ class AimedRays {
   const Scene& scene_;
   const RayCaster& caster_;
   std::vector<Box> bounds_;
-  // What belongs to an object lies together; object o's begins at first_..._[o], objects + 1 of each.
+  // The items of an object lie together; those of object o begin at first_..._[o]. Each of these arrays has objects + 1
+  // numbers.
   ObjectTriangles triangles_;
   std::vector<std::uint64_t> first_patch_, first_extreme_;
   std::vector<std::array<glm::vec3, 3>> patches_;  // some of its triangles, evenly by area
-  /// A vertex that lies farthest out, and the middle of its triangle.
+  /// Vertices that lie farthest out, each with the middle of its triangle.
   std::vector<std::array<glm::vec3, 2>> extremes_;
 };
 

@@ -9,8 +9,8 @@
 
 namespace vismat {
 
-/// Casts a packet as RayCaster::hits() does and returns the hits; calls found(ray, triangle, distance) for each see-through
-/// triangle before a hit and then for the hit itself.
+/// Casts a packet as RayCaster::hits() does and returns the hits. Calls found(ray, triangle, distance) for each
+/// see-through triangle before a hit, and then for the hit itself.
 template <typename Found>
 std::array<Hit, RayCaster::width> see_along(const Scene& scene, const RayCaster& caster,
                                             const std::array<glm::vec3, RayCaster::width>& origins,

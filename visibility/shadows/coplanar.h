@@ -1,4 +1,4 @@
-// Finds the flat faces of a mesh: connected triangles of one plane.
+// Finds the flat faces of a mesh: sets of connected triangles in one plane.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,20 +10,20 @@
 
 namespace vismat {
 
-/// A flat face. Its surface, seen along the normal, has no fold, and no edges but `outline`.
+/// A flat face. Its surface, seen along the normal, has no fold, and no edges except `outline`.
 struct CoplanarFace {
   std::vector<std::uint32_t> triangles;
   std::vector<std::array<std::uint32_t, 2>>
       outline;           // directed: counter-clockwise round the face, clockwise round holes
-  glm::dvec3 normal{};   // unit length; zero for what has no area
+  glm::dvec3 normal{};   // unit length; zero if the face has no area
   double offset = 0;     // of the plane dot(normal, x) = offset, midway
   double deviation = 0;  // no vertex lies farther from that plane
   double area = 0;
 };
 
-/// Each triangle is in one face. A face grows from the largest triangle left over sides of which just two triangles are, as
-/// long as corners lie within `tolerance` of that triangle's plane; triangles that run along a side in the same direction
-/// are turned over. Deterministic. O(n log n).
+/// Divides the mesh into faces; each triangle is in one. A face grows from the largest triangle that is left, across
+/// sides with exactly two triangles, as long as corners lie within `tolerance` of that triangle's plane; triangles that
+/// run along a side in the same direction are turned over. Deterministic. O(n log n).
 std::vector<CoplanarFace> coplanar_faces(const Mesh& mesh, std::span<const MeshSide> sides, double tolerance);
 
 }  // namespace vismat

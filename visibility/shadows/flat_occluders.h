@@ -1,4 +1,4 @@
-// Makes flat occluders, which are convex polygons, of the flat faces of an object.
+// Makes flat occluders, which are convex polygons, from the flat faces of an object.
 #pragma once
 #include <span>
 

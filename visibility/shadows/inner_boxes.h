@@ -1,4 +1,4 @@
-// Finds the largest axis-aligned boxes inside of a closed surface.
+// Finds the largest axis-aligned boxes inside a closed surface.
 #pragma once
 #include <vector>
 
@@ -7,11 +7,12 @@
 
 namespace vismat {
 
-/// Axis-aligned boxes, at most `most`, that no triangle enters and round whose middle the surface winds: they lie inside of
-/// it. The surface must be closed, see winding_number. Chosen one after the other, the largest silhouette first, each
-/// weighed by what of it no earlier box holds; those whose second longest side is shorter than `smallest` are left out.
-/// Walls that are parallel to the axes, up to `tolerance`, are reached exactly; towards others the boxes end on a grid of
-/// 1/12 of the extent. Deterministic. O(triangles) and some 10^5 steps a box.
+/// At most `most` axis-aligned boxes that no triangle enters and around whose middle the surface winds, so that they
+/// lie inside it. The surface must be closed, see winding_number. They are chosen one after another, the largest
+/// silhouette first, each weighted by the part of it that no earlier box holds; boxes whose second longest side is
+/// shorter than `smallest` are left out. Walls that are parallel to the axes, up to `tolerance`, are reached exactly;
+/// towards other walls the boxes end on a grid of 1/12 of the extent. Deterministic. O(triangles) and some 10^5 steps
+/// for each box.
 std::vector<Bounds> inner_boxes(const Mesh& mesh, unsigned most, double smallest, double tolerance);
 
 }  // namespace vismat

@@ -1,4 +1,4 @@
-// What the makers of solid and of flat occluders share: one object's measures, frames, and the test of a shape that was found.
+// Helpers for making occluders: one object's tolerances and frames, and the test that a shape is an occluder.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -12,25 +12,26 @@
 
 namespace vismat {
 
-constexpr std::size_t most_faces = 128;  // of a solid: rounder ones cost more as occluders than boxes in them
+constexpr std::size_t most_faces =
+    128;  // of a solid; for a rounder one, boxes inside it are cheaper occluders
 
-/// The occluders of one object while they are made.
+/// The occluders of one object while they are made, and the object's measures.
 struct OccluderMaker {
   const OccluderOptions& options;
   double ground, depth;  // the lowest plane, and how far below it solids reach
   std::uint32_t object = 0;
   std::vector<Occluder> made{};
-  // Of the object's coordinates:
+  // Measures of the object's coordinates:
   double size = 0;                                                // the bounding box's longest side
-  double magnitude = 0;                                           // the largest
+  double magnitude = 0;                                           // the largest absolute value
   double tolerance() const { return 1e-6 * (size + magnitude); }  // how rough a flat face may be
-  /// What our own arithmetic may be off by, and more.
+  /// How far our own arithmetic may be off, at most.
   double rounding() const { return 1e-10 * size + 1e-13 * magnitude; }
-  /// Takes an occluder of the object, and extends it below the ground if it stands there upright and the options say so.
+  /// Keeps an occluder of the object, extended below the ground if it stands upright there and the options say so.
   void keep(Occluder occluder);
 };
 
-/// Orthonormal axes as columns.
+/// An orthonormal frame, whose axes are the matrix's columns.
 struct Frame {
   glm::dvec3 origin{};
   glm::dmat3 axes{1.0};
@@ -38,7 +39,7 @@ struct Frame {
   glm::dvec3 world(const glm::dvec3& p) const { return origin + axes * p; }
 };
 
-/// The direction, modulo a right angle, that most of the weight has.
+/// The direction, modulo a right angle, that has most of the added weight.
 class MainDirection {
  public:
   void add(double x, double y, double weight);
@@ -55,8 +56,8 @@ struct HalfSpace {
   double offset;  // dot(normal, x - centre) <= offset
 };
 
-/// The greatest factor up to 1 by which a convex shape that holds `centre` can be scaled about it so that no simplex has a
-/// point in its interior, as far as its own sides tell that; 0 if none.
+/// The largest factor up to 1 by which a convex shape that holds `centre` can be scaled about it so that no simplex has
+/// a point in its interior, as far as the shape's own sides can tell; 0 if there is none.
 double fitting_factor(std::span<const HalfSpace> sides, const glm::dvec3& centre,
                       std::span<const glm::dvec3> vertices,
                       std::span<const std::array<std::uint32_t, 3>> simplices);

@@ -1,13 +1,13 @@
 // ALGORITHM. Objects are visited front to back over a tree of boxes; what the shadows drawn so far do not hide draws its own
-// occluders, each clipped to the frustum that makes its shadow hold for all of the cell [Chhugani et al. 2005, 5.2;
+// occluders, each clipped to the frustum that makes its shadow hold for all of the cell [Chhugani et al. 2005, section 5.2;
 // the proof that any point of the cell may be the projection point, and what the shrunk occluder's depths mean, is in
 // docs/visibility.md]. What is hidden draws nothing: all behind it would be hidden by the same pixels. Objects that were passed
 // before a nearer occluder came are looked at once more in the end.
 //
 // A pixel's proof is a single occluder. Two that hide an object only together are found from parts of the cell: every sight
-// line leaves the cell through its boundary, so what is hidden from each patch of it is hidden from the cell. Patches
+// line leaves the cell through its surface, so what is hidden from each patch of it is hidden from the cell. Patches
 // are halved, level by level, as long as candidates are left and views allowed; only faces that an object lies beyond
-// matter to it, and only that part of it. Tried and lost: shadows from the patches' corners too, which take as long as two or three
+// matter to it, and only that part of it. Tried and found worse: shadows from the patches' corners too, which take as long as two or three
 // times the patches and decide less.
 #include "visibility/shadows/shadow.h"
 

@@ -1,4 +1,4 @@
-// A depth buffer all around a point, which tells whether a box lies behind the shrunk occluders drawn in it.
+// A depth buffer all around a point, which decides whether a box lies behind the shrunk occluders that are drawn in it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,22 +11,23 @@
 
 namespace vismat {
 
-/// Six square faces of a cube around a projection point, `resolution` pixels a side, 4 bytes a pixel. What is drawn covers only
-/// pixels that lie wholly inside it, at their farthest depth; what is asked for is looked up in every pixel that it
-/// touches, at its nearest: rounding can lose an occlusion, never invent one.
+/// Six square faces of a cube around a projection point, with `resolution` pixels along a side and 4 bytes for each
+/// pixel. A shape that is drawn covers only pixels that lie wholly inside it, at its farthest depth in the pixel; a box
+/// that is tested is looked up in every pixel that it touches, at its nearest depth. So rounding can lose an occlusion
+/// but never invent one.
 class ShadowBuffer {
  public:
   explicit ShadowBuffer(std::uint32_t resolution);  // a power of two, 16 to 4096; std::invalid_argument
 
-  /// Starts again from `point`, from where nothing is hidden. With `names`, what each pixel shows is kept too.
+  /// Starts anew from `point`, with nothing hidden. With `names`, the name of what each pixel shows is kept too.
   void clear(const glm::dvec3& point, bool names = false);
-  /// The part of a solid that lies within the cone from the point bounded by the directions of `planes` ([Chhugani et al. 2005,
-  /// 5.2]: the occluder clipped to the frustum with planes parallel to its supporting ones). The point lies outside the
-  /// solid. True if a pixel was covered.
+  /// Draws the part of a solid that lies within the cone from the point that is bounded by the directions of `planes`
+  /// ([Chhugani et al. 2005, section 5.2]: the occluder clipped to the frustum with planes parallel to its supporting
+  /// planes). The point lies outside the solid. Returns whether a pixel was covered.
   bool draw(const Convex& shape, std::span<const Plane> planes, std::uint32_t name = 0);
-  /// True if every point of the box lies behind what was drawn.
+  /// Whether every point of the box lies behind what was drawn.
   bool hides(const Box& box) const;
-  /// Adds what covers the box: the names of the pixels it touches, each once.
+  /// Adds the names of what covers the box, in all pixels that it touches, each once.
   void names_before(const Box& box, std::vector<std::uint32_t>& names) const;
 
  private:

@@ -1,4 +1,4 @@
-// Makes solid occluders of the closed parts of an object.
+// Makes solid occluders from the closed parts of an object.
 #pragma once
 #include <span>
 
@@ -8,12 +8,12 @@
 
 namespace vismat {
 
-/// If the closed part is convex, keeps it as a solid, and tells how often it winds round its middle; 0 if it is not. `faces`
-/// are the part's coplanar faces.
+/// Keeps the closed part as a solid if it is convex, and returns how often it winds around its middle; 0 if it is not
+/// convex. `faces` are the part's coplanar faces.
 int add_convex(OccluderMaker& maker, const Mesh& part, std::span<const CoplanarFace> faces);
 
-/// Keeps boxes inside the closed parts, taken together, axis-aligned or turned about z; returns the area of the largest of
-/// their sides.
+/// Keeps boxes inside the closed parts, taken together, axis-aligned or turned about z. Returns the area of the largest
+/// of the boxes' sides.
 double add_boxes(OccluderMaker& maker, const Mesh& closed);
 
 }  // namespace vismat
