@@ -1,5 +1,5 @@
-// Idea: the boundaries are sorted, so a single pass files each under both of its cells in ascending order, and a cell's
-// neighbours can be searched. Outside stands behind the last cell there, as its number does.
+// The boundaries are sorted, so a single pass lists each under both of its cells in ascending order, and a cell's
+// neighbours can be searched. There, outside comes after the last cell, as its number does.
 #include "matrix/deltas.h"
 
 #include <algorithm>

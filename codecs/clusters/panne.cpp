@@ -23,10 +23,10 @@
 // object, so oa_thor's faces take 179 kB instead of 167 even at their entropy, and 514 kB in Huffman codes. A range
 // coder in place of those, ended in each row, makes artificial 1 smaller by 0.7 % and oa_koth1's faces larger by 0.2 %.
 //
-// Tried and found worse: pairs of adjacent symbols, the most frequent first (as Re-Pair does), in place of 2 and 3: 1474 kB
-// for oa_thor's faces in the natural order, where 2 alone left 291 kB, as no pair saves enough to begin with. Any pair
-// that saves, not only those near the best for both: up to 14 % more there. More orders and wider windows in place of
-// 5: nothing after 15 s on artificial 2.
+// Tried and found worse: pairs of adjacent symbols, the most frequent first (as Re-Pair does), in place of 2 and 3:
+// 1474 kB for oa_thor's faces in the natural order, where 2 alone left 291 kB, as no pair saves enough to begin with.
+// Any pair that saves, not only those near the best for both: up to 14 % more there. More orders and wider windows in
+// place of 5: nothing after 15 s on artificial 2.
 #include "codecs/clusters/panne.h"
 
 #include <string>

@@ -10,7 +10,7 @@
 
 namespace vismat {
 // In place [Moffat, Katajainen 1995]. Inner
-// nodes take the places that merged leafs leave, first with their weights, once merged with their parents, then with their
+// nodes take the places that merged leaves free, first with their weights, once merged with their parents, then with their
 // depths.
 void huffman_depths(std::span<std::uint64_t> node) {
   const std::size_t leafs = node.size();
@@ -29,7 +29,7 @@ void huffman_depths(std::span<std::uint64_t> node) {
   }
   node[leafs - 2] = 0;
   for (std::size_t i = leafs - 2; i-- > 0;) node[i] = node[node[i]] + 1;
-  // Of the 2 i places at depth d, inner nodes take some; leafs, from the heaviest on, the others.
+  // Of the 2 i places at depth d, inner nodes take some; leaves, from the heaviest on, the others.
   std::size_t unread = leafs - 1, to = leafs, places = 1;
   for (std::uint64_t depth = 0; to > 0; ++depth) {
     std::size_t inner_here = 0;

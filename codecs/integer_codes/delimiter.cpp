@@ -37,8 +37,8 @@
 // us (cold), the paper's pass bit by bit 18 us. The least gain is 2.2 times, where 30 numbers 1 and a larger one
 // alternate: the plain pass predicts every bit of that.
 //
-// Tried and found worse: windows one after the other, +25 %; a loop over the numbers of an extracted window instead of always
-// twelve, +25 %; always twelve with the table, +15 %; the table with BMI's instructions, nothing.
+// Tried and found worse: windows one after the other, +25 %; a loop over the numbers of an extracted window instead of
+// always twelve, +25 %; always twelve with the table, +15 %; the table with BMI's instructions, nothing.
 #include "codecs/integer_codes/delimiter.h"
 
 #include <algorithm>

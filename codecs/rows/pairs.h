@@ -1,6 +1,6 @@
-// A row as pairs of small numbers [Chhugani et al. 2005, section 6.2]: for each run of ones its gap, the number of zeros before
-// it, and its length. Only the gap before the first run may be 0; one is added to it, so that every number is at least
-// 1.
+// A row as pairs of small numbers [Chhugani et al. 2005, section 6.2]: for each run of ones its gap, the number of
+// zeros before it, and its length. Only the gap before the first run may be 0; one is added to it, so that every number
+// is at least 1.
 //
 // PairRows<Code> is the row codec (row_codec.h) over a code for such numbers. Code has
 //

@@ -29,12 +29,12 @@ class RowGroups {
   /// The occlusions that are lost so far.
   std::uint64_t lost() const { return lost_; }
   /// The number of occlusions that merging the two groups would lose: rows of a times what only b has, and the other
-  /// way round [Zach & Karner 2003, section 4.1]. Unbounded if that is above `limit`, or if some row or column would lose more
-  /// than it may.
+  /// way round [Zach & Karner 2003, section 4.1]. Unbounded if that is above `limit`, or if some row or column would
+  /// lose more than it may.
   std::uint64_t score(std::uint32_t a, std::uint32_t b, std::uint64_t limit = unbounded) const;
   /// The group with the least score with this one; of equal ones the lowest number. Only groups of similar size are
-  /// examined [Zach & Karner 2003, section 4.1]. Groups of near rows are examined first, as near rows are often similar, and a
-  /// low score soon rules the others out.
+  /// examined [Zach & Karner 2003, section 4.1]. Groups of near rows are examined first, as near rows are often
+  /// similar, and a low score soon rules the others out.
   Pair best_partner(std::uint32_t group) const;
   /// The second becomes part of the first. Their score must be bounded.
   void merge(std::uint32_t into, std::uint32_t from);

@@ -1,8 +1,8 @@
-// ALGORITHM [Zach & Karner 2003, section 4.1]. Merging the best of some random pairs. Again and again some groups, the seeds,
-// are drawn at random. Each finds the group with which it would lose the fewest occlusions, and the best of these pairs
-// becomes one group, until the next one would lose more than is allowed. The paper leaves open how many seeds are
-// drawn. Groups left at 5 % lost occlusions on artificial 1 (6146 rows) and oa_thor's faces (2825): 1 seed 2235 and
-// 809, 8 seeds 1823 and 531, 32 seeds 1809 and 524, 128 seeds 1806 and 522.
+// ALGORITHM [Zach & Karner 2003, section 4.1]. Merging the best of some random pairs. Again and again some groups, the
+// seeds, are drawn at random. Each finds the group with which it would lose the fewest occlusions, and the best of
+// these pairs becomes one group, until the next one would lose more than is allowed. The paper leaves open how many
+// seeds are drawn. Groups left at 5 % lost occlusions on artificial 1 (6146 rows) and oa_thor's faces (2825): 1 seed
+// 2235 and 809, 8 seeds 1823 and 531, 32 seeds 1809 and 524, 128 seeds 1806 and 522.
 #include "layout/groups/seed_grouping.h"
 
 #include <algorithm>

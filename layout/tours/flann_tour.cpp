@@ -16,11 +16,11 @@
 // ctf_inyard). The lists cost more than all pairs up to some 20,000 columns: 2.7 s to 1.3 s (artificial 2, 5461), 4.6
 // to 3.6 (power plant, 12104), 22.4 to 24.1 (24425).
 //
-// Tried and found worse: a path to the nearest unvisited point instead of greedy edges is 1.1 to 1.7 times as long, and after
-// polishing up to 1.2 % longer. LSH (bench flann-recall; 3000 to 10000 columns, 256 to 16384 rows): nearly every key is
-// zero, 7 to 120 times the time of a scan; with keys of up to 26 bits, 2 to 23 times at up to 5 % density (0.7 in 256
-// rows at 5 %), and recall 0.89 to 0.95 in 0.2 to 0.5 of the time at 20 %. Hierarchical: recall 0.97 to 1 in 0.4 to 1.4
-// of the time.
+// Tried and found worse: a path to the nearest unvisited point instead of greedy edges is 1.1 to 1.7 times as long, and
+// after polishing up to 1.2 % longer. LSH (bench flann-recall; 3000 to 10000 columns, 256 to 16384 rows): nearly every
+// key is zero, 7 to 120 times the time of a scan; with keys of up to 26 bits, 2 to 23 times at up to 5 % density (0.7
+// in 256 rows at 5 %), and recall 0.89 to 0.95 in 0.2 to 0.5 of the time at 20 %. Hierarchical: recall 0.97 to 1 in 0.4
+// to 1.4 of the time.
 #include "layout/tours/flann_tour.h"
 
 #include <algorithm>

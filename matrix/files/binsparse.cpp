@@ -1,5 +1,5 @@
-// Idea: the matrix is the specification's (binsparse_matrix.h); here stands what it does not know, our own facts and geometry,
-// which are arrays and attributes beside it.
+// The specification covers the matrix (binsparse_matrix.h). This file adds what it does not cover: our own facts and
+// geometry, which are arrays and attributes beside the matrix.
 #include "matrix/files/binsparse.h"
 
 #include <algorithm>

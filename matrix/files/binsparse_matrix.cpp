@@ -1,7 +1,7 @@
-// Idea: every format of the specification lists entries line by line, a line being a row or, in CSC, DCSC,
-// COOC and DMATC, a column. So each is first brought to line offsets and ids, checked, rid of zeros, and made
-// a matrix whose rows are the lines; column formats are then transposed and one-triangle structures joined
-// with their transpose.
+// Every format of the specification lists entries line by line; a line is a row or, in CSC, DCSC, COOC and DMATC, a
+// column. So each format is first turned into line offsets and ids, checked, freed of zeros, and made into a matrix
+// whose rows are the lines. Then the matrices of column formats are transposed, and structures that store one triangle
+// are joined with their transpose.
 #include "matrix/files/binsparse_matrix.h"
 
 #include <algorithm>
@@ -137,7 +137,7 @@ Descriptor parse_descriptor(const std::string& source) {
   return descriptor;
 }
 
-// The line numbers of COO (one an entry) or of DCSR (one a non-empty line).
+// The line numbers of COO (one for each entry) or of DCSR (one for each line that is not empty).
 void check_lines(const std::vector<std::uint32_t>& lines, std::uint32_t line_count, bool may_repeat) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (lines[i] >= line_count) {

@@ -1,9 +1,9 @@
-// Idea: write in this process, read in a child. HDF5 1.10 follows damaged pointers in its B-trees and heaps
-// into crashes and endless loops, and no check made from outside can find them all. So open() forks a child
-// that does all reading (Hdf5Reader) and sends the numbers over a socket; if it dies, or runs out of its
-// share of time or memory, the parent throws one clear FormatError. That costs a fork (2.5 ms of processor
-// time) an open file, and 8 % more time than to read 200 MB of deflated ids in this process. Tried and lost:
-// validating in a child, then reading in the parent, which decompresses everything twice.
+// Files are written in this process and read in a child process. HDF5 1.10 follows damaged pointers in its B-trees and
+// heaps into crashes and endless loops, and no check from outside can find all of them. So open() forks a child that
+// does all reading (Hdf5Reader) and sends the numbers over a socket; if it dies, or exhausts its time or memory, the
+// parent throws one clear FormatError. That costs a fork for each file that is opened (2.5 ms of processor time), and
+// reading 200 MB of deflated ids takes 8 % longer than in one process. Tried and found worse: validating in a child and
+// then reading in the parent, which decompresses everything twice.
 #include "matrix/files/hdf5_file.h"
 
 #include <fcntl.h>

@@ -1,6 +1,6 @@
-// Idea: ask first, read later. Every answer of the library about a dataset (links, dataspace, type, layout,
-// filters, chunks) is checked against the bytes that the file really has before a single number is read, and
-// numbers are then read a few chunks at a time, so that memory stays small whatever the file claims.
+// Asks first and reads later. Whatever the library says about an array (links, dataspace, type, layout, filters,
+// chunks) is checked against the bytes that the file really has before a single number is read. Numbers are then read a
+// few chunks at a time, so that memory stays small whatever the file claims.
 #include "matrix/files/hdf5_reader.h"
 
 #include <algorithm>

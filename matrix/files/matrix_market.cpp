@@ -1,5 +1,5 @@
-// Idea: one scan over the bytes with a hand-written reader of numbers; then a counting sort by row, so that
-// any order of entries is taken in linear time. Text streams and scanf read 5 to 10 times slower.
+// One scan over the bytes with a hand-written reader of numbers, then a counting sort by row, so that any order of
+// entries takes linear time. Text streams and scanf are 5 to 10 times slower.
 #include "matrix/files/matrix_market.h"
 
 #include <algorithm>

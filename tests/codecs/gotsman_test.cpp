@@ -178,7 +178,7 @@ TEST(Gotsman, LearnsFromAPartOfLargeMatrices) {
   const ObjectTree tree = pairs(6000);
   std::uint64_t members = 0;
   for (std::uint32_t r = 0; r < 6000; ++r) members += matrix.row(r).size();
-  ASSERT_GT(members, std::uint64_t{1} << 21);  // of the leafs; the rest of the tree has more than that again
+  ASSERT_GT(members, std::uint64_t{1} << 21);  // of the leaves; the rest of the tree has more than that again
   const Encoded e = find_codec("gotsman3-context").encode(matrix, over(tree), {});
   EXPECT_EQ(find_codec("gotsman3-context").encode(matrix, over(tree), {}), e);
   EXPECT_EQ(decode(find_codec("gotsman3-context"), e, matrix.shape(), over(tree)), matrix);

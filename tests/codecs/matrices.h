@@ -60,7 +60,7 @@ inline VisibilityMatrix clustered_matrix(Shape shape, std::uint64_t seed) {
   return VisibilityMatrix::from_rows(rows, shape.columns);
 }
 
-/// A tree of this many leafs, one an object, up to `arity` children a node.
+/// A tree of this many leaves, one for each object, with up to `arity` children for each node.
 inline ObjectTree even_tree(std::uint32_t objects, std::uint32_t arity = 4) {
   struct Range {
     std::uint32_t first, end, parent;

@@ -219,7 +219,7 @@ TEST(TreeSection, KeepsAnyTree) {
   }
 }
 
-// A binary tree whose leafs stand in the order of their objects: its shape alone takes anything.
+// A binary tree whose leaves stand in the order of their objects: its shape alone takes anything.
 TEST(TreeSection, TakesAboutItsShapeAndAnOrder) {
   const ObjectTree even = test::even_tree(4000, 2);
   EXPECT_LT(tree_bytes(even, false).size(), 700u);  // 8000 nodes

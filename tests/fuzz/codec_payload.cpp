@@ -1,7 +1,7 @@
 // Any payload and node index, for every codec: it decodes to the shape asked for or is refused; what ours
 // decode they encode to bytes that mean the same (others' compressors may take a tenth of a second for that).
 //
-//   the codec's name and a zero byte; 1 byte each: rows, columns or leafs, arity (of a tree of columns), bytes of index; the index, the payload
+//   the codec's name and a zero byte; 1 byte each: rows, columns or leaves, arity (of a tree of columns), bytes of index; the index, the payload
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

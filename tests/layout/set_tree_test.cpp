@@ -11,7 +11,7 @@
 namespace vismat {
 namespace {
 
-// How many ones the sets of all nodes with children have: what each row above a pair of leafs costs to tell.
+// How many ones the sets of all nodes with children have: the cost of storing each row above a pair of leaves.
 std::uint64_t members_of_inner_nodes(const VisibilityMatrix& matrix, const ObjectTree& tree) {
   const VisibilityMatrix sets = transpose(nodes_from_objects(transpose(matrix), tree));
   std::uint64_t members = 0;

@@ -20,7 +20,7 @@ struct AnalyticScene {
   Box cell;
   Scene scene{};
   std::vector<Occluder> occluders{};  // hand-made; sound, and enough to prove what is hidden
-  std::vector<Truth> truth{};         // one an object
+  std::vector<Truth> truth{};         // one for each object
 
   /// Another object; or, with `more`, another part of the last one.
   void box(Truth what, const Box& b, bool more = false) {

@@ -51,7 +51,7 @@ struct Quake {
   std::int32_t version = 46, clusters = 3, row_bytes = 8;
   std::string entities = "{}";
   std::vector<std::array<float, 4>>
-      planes;  // one a node: x, y, z, distance; none: nobody asks where a point lies
+      planes;  // one for each node: x, y, z, distance; none: nobody asks where a point lies
   std::vector<std::array<std::int32_t, 2>> nodes = {{1, 2}, {-2, -3}, {3, -5}, {-4, -6}};
   std::vector<Leaf> leafs = {{0, {0, 0, 0, 0, 0, 0}, 0, 0},  // no node leads here
                              {0, {0, 0, 0, 64, 64, 64}, 0, 2},    {1, {64, 0, 0, 128, 64, 64}, 2, 2},

@@ -16,7 +16,7 @@
 namespace vismat {
 namespace {
 
-/// Two triangles, one an object; two cells that touch; a root with two leafs.
+/// Two triangles, each an object of its own; two cells that touch; a root with two leaves.
 SceneFile small_scene() {
   SceneFile file;
   file.scene.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 0, 3}, {5, 1, 0}, {6, 1, 0}, {5, 2, 4}};

@@ -226,7 +226,7 @@ class Flood {
   const CellGrid& grid_;
   const Viewers& viewers_;
   unsigned threads_;
-  std::array<unsigned, 3> lines_;      // lattice points a cell
+  std::array<unsigned, 3> lines_;      // lattice points for each cell
   Index points_;                       // in all
   glm::dvec3 margin_;                  // rays end so far before what they hit
   std::vector<std::uint8_t> state_;    // of lattice points

@@ -1,5 +1,5 @@
-// ALGORITHM. free_space.cpp tells which boxes viewers reach. Z-order keeps cells that see alike together, so that rows which
-// resemble one another are near in the matrix; x, y, z order has such neighbours along one axis alone.
+// ALGORITHM. free_space.cpp finds which boxes viewers reach. Z-order keeps cells that see similar objects together, so
+// that similar rows are near in the matrix; in x, y, z order such neighbours are near along one axis only.
 #include "visibility/cells/grid_cells.h"
 
 #include <algorithm>

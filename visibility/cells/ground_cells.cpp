@@ -1,10 +1,11 @@
-// ALGORITHM. Each piece of ground (level triangles of one height that meet, or one sloping triangle) is a polygon in the plan. Whatever
-// of the scene lies within a viewer's height above it is clipped to that band, laid into the plan, grown by the radius and
-// taken away; a wall, which has no area in the plan, becomes a strip, so that inside and outside of a closed building fall
-// apart and nothing need be known of which side of a triangle is solid. What rises no higher than a step and is walkable is
-// taken away without growing: a viewer stands on it instead. The rest is triangulated (constrained Delaunay). Pieces join
-// where their edges overlap in the plan, no more than a step apart; walking over such edges from the start finds what is kept.
-// Obstacles grow to the convex hull of squares at their corners, which keeps right angles: round ones cost many triangles.
+// ALGORITHM. Each piece of ground (level triangles of one height that meet, or one sloping triangle) is a polygon in
+// the plan. Whatever of the scene lies within a viewer's height above it is clipped to that band, laid into the plan,
+// grown by the radius and taken away; a wall, which has no area in the plan, becomes a strip, so that inside and
+// outside of a closed building fall apart and nothing need be known of which side of a triangle is solid. What rises no
+// higher than a step and is walkable is taken away without growing: a viewer stands on it instead. The rest is
+// triangulated (constrained Delaunay). Pieces join where their edges overlap in the plan, no more than a step apart;
+// walking over such edges from the start finds what is kept. Obstacles grow to the convex hull of squares at their
+// corners, which keeps right angles: round ones cost many triangles.
 #include "visibility/cells/ground_cells.h"
 
 #include <algorithm>

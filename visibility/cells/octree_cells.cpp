@@ -1,5 +1,5 @@
 // ALGORITHM. Breadth first, so that a whole level can be counted at once by many threads or processes. Where viewers can be is
-// settled beforehand on the grid of the smallest cells; each coarser level is the OR of eight. The paper stops at a cell's
+// found beforehand on the grid of the smallest cells; each coarser level is the OR of eight. The paper stops at a cell's
 // visible triangles and at the level, as we do; what it does with parts of the expanded bounding box inside of solids it does
 // not say. All corners come from one formula over the finest grid, so cells of different levels touch exactly.
 #include "visibility/cells/octree_cells.h"

@@ -1,9 +1,9 @@
-// ALGORITHM. A triangle is culled where n.(w - b) < 0 for its normal n, a corner b and every point w of the cell. A cluster is
+// ALGORITHM. A triangle is culled where n.(w - b) < 0 for its normal n, a corner b and every point w of the cell. A group is
 // culled where that holds for all normals of its cone and all points b of its box. For one normal direction set, the u
 // with n.u < 0 for all n are a convex cone, so it is enough to look at the 8 corners u of the box of differences w - b: each
 // must make more than a right angle plus the cone's half angle with the cone's axis. That is simpler than the paper's cones
-// of visibility from the corners of each cluster's box, and needs no claim that these are extreme. The same test turned
-// round, from the cell's middle, finds clusters that face it whole. What neither test settles is split, down to triangles,
+// of visibility from the corners of each group's box, and needs no claim that these are extreme. The same test turned
+// round, from the cell's middle, finds groups that face it whole. What neither test settles is split, down to triangles,
 // which are tested by themselves: so the number is that of the test of every triangle.
 // Triangles are first sorted by the axis direction nearest to their normal, then by halves of their box: walls get cones of
 // no width.

@@ -3,7 +3,7 @@
 // would be as bad as a sphere. We take the lesser of two numbers d, each with a map from the triangles round v0 (the star)
 // onto those that replace them (the fan), which moves no point farther than d and leaves the star's rim where it is:
 //  - |v0 - v1|: triangle by triangle, linear, v0 to v1. A triangle at the edge itself goes onto a side of the fan; on a
-//    boundary, the boundary goes onto the new boundary.
+//    rim, the rim goes onto the new rim.
 //  - For inner v0: the greatest distance of star and fan along a direction n, if both are height fields over one polygon of the
 //    plane square to n. They are if each triangle of both faces n, and the rim winds round v0 once: then the rim is
 //    the border of what the star covers, and a fan with this border whose triangles all face n covers each point once
@@ -283,7 +283,7 @@ struct LevelsOfDetail::Object {
   Mesh mesh;
   Box bounds;
   std::vector<LevelOfDetail> levels;
-  std::vector<BackFaces> back_faces;  // one a level, if the object is closed
+  std::vector<BackFaces> back_faces;  // one for each level, if the object is closed
 };
 
 LevelsOfDetail::LevelsOfDetail(const Scene& scene, const Screen& screen, unsigned threads,

@@ -1,5 +1,5 @@
-// ALGORITHM. A sight line that leaves the cell crosses its border, and the rest of it is a sight line too; so the lines to
-// look at join a triangle of the cell's border to one of the object. A pair of triangles is closed if one occluder hides the
+// ALGORITHM. A sight line that leaves the cell crosses its surface, and the rest of it is a sight line too; so the lines to
+// look at join a triangle of the cell's surface to one of the object. A pair of triangles is closed if one occluder hides the
 // one from the other (hides() has the proof that nine segments are enough), ends the search if the segment between two of its
 // points is free, and is split along the longer of all edges otherwise, breadth first. This replaces the polytopes in
 // Pluecker space of Nirenstein 2002 and Haumont 2005: no algebra, only signs of determinants. The price is the answer

@@ -1,8 +1,8 @@
 // ALGORITHM. Each square of a grid draws from its own random stream, so squares do not depend on one another. A strip along its
 // low x and low y stays free: these are the streets, straight and joined. On the rest, a pavement of 1 m round it, stands a
 // building, or cars. Buildings are lattices: a plain box, an L or a T, with windows set back or with ledges; or a house
-// of four rooms a storey, whose walls are 0.3 m thick and have openings. Sizes follow the prototype's city that the figures
-// to beat were taken on (20 m pitch, 12 m footprints, 6 to 30 m high, 4 m cells at eye height), made of triangles of 1.4 m
+// of four rooms on each storey, whose walls are 0.3 m thick and have openings. Sizes are those of the city on which our goals for
+// producers were set (20 m pitch, 12 m footprints, 6 to 30 m high, 4 m cells at eye height), made of triangles of 1.4 m
 // at most, so that no triangle by itself hides anything from a cell.
 #include "visibility/generators/dense_city.h"
 

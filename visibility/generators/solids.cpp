@@ -1,7 +1,7 @@
-// ALGORITHM. Windows, doors, rooms, ledges, stairs, beams and gratings are all unions and differences of boxes. A grid through
-// all their sides makes these exact without any geometry: cells are filled or emptied, and the sides between filled and empty
-// cells are the surface. Vertices are the grid's, so there are no T-junctions; the price is that a cut runs through the
-// whole body, and leaves narrow triangles on its far walls.
+// ALGORITHM. Windows, doors, rooms, ledges, stairs, beams and gratings are all unions and differences of boxes. A grid
+// through all their sides makes these exact without any geometry: voxels are filled or emptied, and the sides between
+// filled and empty voxels are the surface. Vertices are the grid's, so there are no T-junctions; the price is that a
+// cut runs through the whole body, and leaves narrow triangles on its far walls.
 #include "visibility/generators/solids.h"
 
 #include <algorithm>

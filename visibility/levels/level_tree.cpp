@@ -1,5 +1,5 @@
-// A preorder walk lists parents before children, so one pass backwards tells what each branch holds, and one
-// pass forwards numbers what stays after pruning. Merging branches of a single object helps Doom most, whose
+// A preorder walk lists parents before children, so one pass backwards finds what each branch holds, and one
+// pass forwards numbers what is left after pruning. Merging branches of a single object helps Doom most, whose
 // sectors fall into many subsectors: 11231 nodes over MAP12 of freedoom2 become 10589.
 #include "visibility/levels/level_tree.h"
 

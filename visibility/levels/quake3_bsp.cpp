@@ -1,9 +1,8 @@
-// ALGORITHM. The nodes' tree leads to leafs, whose clusters are the view cells and whose faces are the objects; quake3_lumps.cpp has
-// the format.
-// Every index is checked where it is read, once, against the lump it points into. What real levels taught
-// beyond the format's descriptions: leaf 0 and one leaf for each brush model (doors, platforms) are reached
-// by no node and say cluster 0 with an empty box, so places are taken from reached leafs only; faces share
-// meshverts, so their sum says nothing about the lump and needs a limit of its own.
+// ALGORITHM. The tree of nodes leads to leaves, whose clusters are the view cells and whose faces are the objects;
+// quake3_lumps.cpp has the format. Every index is checked once, where it is read, against the lump to which it points.
+// Real levels show more than the descriptions of the format say: leaf 0 and one leaf for each brush model (doors,
+// platforms) are reached by no node and name cluster 0 with an empty box, so places are taken only from leaves that are
+// reached; and faces share meshverts, so their sum says nothing about the lump and needs a limit of its own.
 #include "visibility/levels/quake3_bsp.h"
 
 #include <algorithm>
@@ -25,7 +24,7 @@ namespace {
 using namespace quake3;
 
 constexpr std::size_t most_places = 1
-                                    << 15;  // leafs with a cluster; the engine's 2 MB of visdata end at 4096
+                                    << 15;  // leaves with a cluster; the engine's 2 MB of visdata end at 4096
 
 VisibilityMatrix read_visdata(std::span<const std::byte> lump) {
   if (lump.empty()) refuse(visdata_lump, "empty: this level was compiled without visibility data");
@@ -164,7 +163,7 @@ LevelPlaces places_of(const Lumps& lumps, std::span<const Node> nodes, std::span
   return places;
 }
 
-// Rows of leafs: the cluster of each.
+// One row for each leaf: its cluster.
 VisibilityMatrix clusters_of_leafs(std::span<const Leaf> leafs, std::uint32_t clusters) {
   std::vector<std::vector<std::uint32_t>> rows(leafs.size());
   for (std::size_t i = 0; i < leafs.size(); ++i) {
@@ -194,9 +193,9 @@ Level parse_quake3_bsp(std::span<const std::byte> file, const std::set<std::stri
   level.places = places_of(lumps, node_records, leafs);
   level.far_plane = far_plane_of(lumps);
 
-  // Cells: places from the leafs that the walk reached.
+  // Cells: places from the leaves that the walk reached.
   std::vector<Leaf> places;
-  std::vector<std::uint32_t> order;  // of those leafs
+  std::vector<std::uint32_t> order;  // of those leaves
   for (const BspItem& item : walk) {
     if (item.child >= 0 || leafs[~item.child].cluster < 0) continue;
     order.push_back(static_cast<std::uint32_t>(~item.child));

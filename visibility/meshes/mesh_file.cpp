@@ -1,10 +1,10 @@
-// ALGORITHM. One strict reader a format fills a list of points and a list of polygons; indices are checked and polygons cut into
-// triangles (by ears, in the plane of the polygon's Newell normal) once all is there, since an OBJ face may name a later point.
-// What a file claims is never believed before as many bytes are there. Tried and found worse: OpenMesh 9's readers. Of damaged files
-// they make other scenes without a word: an OBJ point that is not a number is left out and every later index means another
-// point; a face with a wrong index, or one on two lines joined by a backslash, is left out; an OFF or STL file
-// that is cut short loses or invents triangles; a count of 4e9 points ends in std::bad_alloc. Tests still read sound
-// files through OpenMesh, as the judge of these readers.
+// ALGORITHM. One strict reader a format fills a list of points and a list of polygons; indices are checked and polygons
+// cut into triangles (by ears, in the plane of the polygon's Newell normal) once all is there, since an OBJ face may
+// name a later point. What a file claims is never believed before as many bytes are there. Tried and found worse:
+// OpenMesh 9's readers. Of damaged files they make other scenes without a word: an OBJ point that is not a number is
+// left out and every later index means another point; a face with a wrong index, or one on two lines joined by a
+// backslash, is left out; an OFF or STL file that is cut short loses or invents triangles; a count of 4e9 points ends
+// in std::bad_alloc. Tests still read sound files through OpenMesh, as the judge of these readers.
 #include "visibility/meshes/mesh_file.h"
 
 #include <charconv>

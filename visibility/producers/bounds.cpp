@@ -1,6 +1,6 @@
-// ALGORITHM. The shadows of a cell's first views leave some objects; rays are aimed at those alone, and find most of what is seen; what
-// neither proves is looked at from patches of the cell's surface, with rays from where it may be seen. So each method works only
-// where the other gave no answer.
+// ALGORITHM. The shadows of a cell's first views leave some objects. Rays are aimed at these alone, and find most of
+// those that are seen. Objects that neither proves anything about are examined from patches of the cell's surface, with
+// rays from patches from which they may be seen. So each method works only where the other gave no answer.
 #include "visibility/producers/bounds.h"
 
 #include <algorithm>

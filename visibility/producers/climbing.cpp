@@ -1,11 +1,11 @@
 // The producer "climbing": rays that climb over roofs, for cities of boxes.
 //
-// ALGORITHM. A sight line that leaves a view cell crosses its border, and of all points on that line the one
+// ALGORITHM. A sight line that leaves a view cell crosses its surface, and of all points on that line the one
 // where it enters the cell sees farthest over a roof. So viewpoints are placed on the edges of cells, and
 // what an edge sees counts for the cells on both its sides; a few stand inside cells, for scenes with
 // overhangs, where that is no proof. From a viewpoint we look in a direction of the compass and climb: a
 // level ray, then one that just clears the bounding box of what was hit, and so on until nothing higher is
-// left. In a city that shows all there is to be seen in that direction, for one ray an object. Directions are
+// left. In a city that shows all there is to be seen in that direction, for one ray for each object. Directions are
 // aimed: just past both sides of every object known to be seen from here, and through it. Whatever turns up
 // is aimed past in turn, as in guided visibility sampling [Wonka et al. 2006], since a sliver of something
 // lies beside the silhouette of something nearer. In the next pass each edge also aims at what its cells saw

@@ -1,4 +1,4 @@
-// The producer "sampled": seen is what a ray reaches. Other rays, which take no part in the search, then tell what it missed.
+// The producer "sampled": seen is what a ray reaches. Other rays, which take no part in the search, then estimate what it missed.
 #include "visibility/rays/sampled.h"
 
 #include "visibility/producers/bounds.h"

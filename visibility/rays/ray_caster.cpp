@@ -141,7 +141,7 @@ std::vector<std::uint32_t> RayCaster::passed(const glm::vec3& origin, const glm:
   RTCRay ray{origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, distance, ~0u, 0, 0};
   rtcOccluded1(embree_->clear.get(), &context, &ray);
   for (std::uint32_t& triangle : triangles) triangle = embree_->clear_triangles[triangle];
-  std::sort(triangles.begin(), triangles.end());  // a triangle may stand in several leafs of Embree's tree
+  std::sort(triangles.begin(), triangles.end());  // a triangle may be in several leaves of Embree's tree
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
   return triangles;
 }

@@ -4,11 +4,11 @@
 // docs/visibility.md]. What is hidden draws nothing: all behind it would be hidden by the same pixels. Objects that were passed
 // before a nearer occluder came are looked at once more in the end.
 //
-// A pixel's proof is a single occluder. Two that hide an object only together are found from parts of the cell: every sight
-// line leaves the cell through its surface, so what is hidden from each patch of it is hidden from the cell. Patches
-// are halved, level by level, as long as candidates are left and views allowed; only faces that an object lies beyond
-// matter to it, and only that part of it. Tried and found worse: shadows from the patches' corners too, which take as long as two or three
-// times the patches and decide less.
+// A pixel's proof is a single occluder. Two that hide an object only together are found from parts of the cell: every
+// sight line leaves the cell through its surface, so what is hidden from each patch of it is hidden from the cell.
+// Patches are halved, level by level, as long as candidates are left and views allowed; only faces that an object lies
+// beyond matter to it, and only that part of it. Tried and found worse: shadows from the patches' corners too, which
+// take as long as two or three times the patches and decide less.
 #include "visibility/shadows/shadow.h"
 
 #include <algorithm>

@@ -1,9 +1,10 @@
-// ALGORITHM. Seen from the projection point a convex solid is a cone, bounded by one plane through the point for each edge of
-// its outline; the frustum that shrinks it [Chhugani et al. 2005, section 5.2] is bounded by planes through the point as well. So the
-// shrunk occluder's picture on a face of the cube is an intersection of half-planes, found without clipping a polygon in
-// space and without a near plane, and its nearness (1 / depth) is the least of its lit faces' nearnesses, each linear over the
-// face. A row of pixels is then an interval, cut by each half-plane at the pixel's worst corner. No border of the cube is drawn
-// or clipped against: a pixel at the border is covered if the cone covers it, so the faces join without a seam.
+// ALGORITHM. Seen from the projection point a convex solid is a cone, bounded by one plane through the point for each
+// edge of its outline; the frustum that shrinks it [Chhugani et al. 2005, section 5.2] is bounded by planes through the
+// point as well. So the shrunk occluder's picture on a face of the cube is an intersection of half-planes, found
+// without clipping a polygon in space and without a near plane, and its nearness (1 / depth) is the least of its lit
+// faces' nearnesses, each linear over the face. A row of pixels is then an interval, cut by each half-plane at the
+// pixel's worst corner. No border of the cube is drawn or clipped against: a pixel at the border is covered if the cone
+// covers it, so the faces join without a seam.
 #include "visibility/shadows/shadow_buffer.h"
 
 #include <algorithm>
