@@ -5,7 +5,7 @@
 
 namespace vismat::cli {
 
-/// --cells, --region, --from and --eyes. `words` must outlive the verb's run.
+/// Adds the options --cells, --region, --from and --eyes. `words` must outlive the verb's run.
 void add_cells_options(const Verb& verb, CellsWords& words);
 
 }  // namespace vismat::cli

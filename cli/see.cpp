@@ -30,7 +30,7 @@ struct Arguments {
   bool nodes = false, objects = false;
 };
 
-/// Throws std::invalid_argument where the producer has no use for an option.
+/// Throws std::invalid_argument if the producer has no use for an option that is given.
 void check_options(const Arguments& arguments, const Producer& producer) {
   check_taken(producer, arguments.options);
   if (arguments.seen.empty() || producer.seen_too) return;
@@ -41,7 +41,7 @@ void check_options(const Arguments& arguments, const Producer& producer) {
   throw std::invalid_argument("--seen: the producer " + name + " proves nothing seen");
 }
 
-/// The same runner; each stage's name begins with the prefix, since a name may stand once in a run.
+/// The same runner, which puts the prefix before each stage's name, since a name may be used only once in a run.
 class Prefixed : public JobRunner {
  public:
   Prefixed(JobRunner& runner, std::string prefix) : runner_(runner), prefix_(std::move(prefix)) {}
@@ -62,7 +62,8 @@ Stages show_stages(const JobRunner& runner) {
   return [](const char* stage) { return show_progress(stage); };
 }
 
-/// For the octree: triangles of each cell's vLOD, over what one shadow view does not hide.
+/// For the octree: the number of triangles that are drawn from each cell, at levels of detail, of the objects that one
+/// shadow view does not hide.
 VisibleTriangles count_triangles(const Scene& scene, JobRunner& runner) {
   return [&, level = 0, lods = std::shared_ptr<LevelsOfDetail>()](const ViewCells& cells) mutable {
     if (!lods) {
@@ -113,7 +114,7 @@ struct Output {
   }
 };
 
-/// A line a state: how many objects of a cell, on average and at most.
+/// One line for each state: how many objects of a cell are in it, on average and at most.
 void print_states(const Sight& sight, bool proves_seen) {
   const Shape shape = sight.not_hidden.shape();
   std::uint64_t most_seen = 0, most_undecided = 0, least_hidden = shape.columns;
@@ -137,7 +138,7 @@ void print_states(const Sight& sight, bool proves_seen) {
   if (proves_seen) std::printf("  %s rays\n", grouped(sight.rays).c_str());
 }
 
-/// How many rays, and what they say of how much is missing.
+/// How many rays were cast, and how much they say is missed.
 void print_search(const Sight& sight) {
   std::printf("  %s rays", grouped(sight.rays).c_str());
   if (sight.last_found) {
@@ -194,7 +195,7 @@ void run(const Arguments& arguments) {
   journal->remove();
 }
 
-/// --producer, and an option for whatever producers take.
+/// Adds --producer, and an option for everything that producers take.
 void add_producers(const Verb& verb, Arguments& arguments) {
   std::vector<std::string> names;
   for (const Producer& producer : producers()) names.emplace_back(producer.name);

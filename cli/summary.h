@@ -12,11 +12,11 @@
 
 namespace vismat::cli {
 
-/// Control characters of a hostile file would rearrange the terminal: each becomes '?'.
+/// The text with each control character replaced by '?', since those of a hostile file would rearrange the terminal.
 std::string printable(std::string_view text);
-/// One line on stdout, printable, the values below one another.
+/// Prints one line on stdout, with control characters replaced; the values of several lines stand below one another.
 void line(const char* what, const std::string& value);
-/// "729 330"
+/// The number with its digits in groups: "729 330".
 std::string grouped(std::uint64_t number);
 
 template <typename... Values>
@@ -26,10 +26,10 @@ std::string formatted(const char* format, Values... values) {
   return text.data();
 }
 
-/// "6 331 between 2 415 view cells, 1 from outside"
+/// What the boundaries are, in words: "6 331 between 2 415 view cells, 1 from outside".
 std::string summary_of(std::span<const Boundary> boundaries);
 
-/// How many entries were added, and to which view cell the most: lines on stdout.
+/// Prints how many entries were added, and to which view cell the most.
 void print_loss(const Loss& loss);
 
 }  // namespace vismat::cli

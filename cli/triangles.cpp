@@ -29,7 +29,7 @@ struct Counts {
   std::uint64_t objects = 0, full = 0, at_level = 0, facing = 0;
 };
 
-/// "mean 25 901, median 24 011, most 98 110"
+/// The counts as text: "mean 25 901, median 24 011, most 98 110".
 std::string spread(const std::vector<Counts>& cells, std::uint64_t Counts::*what) {
   std::vector<std::uint64_t> values;
   for (const Counts& counts : cells) values.push_back(counts.*what);

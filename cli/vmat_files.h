@@ -21,13 +21,13 @@ auto naming(const std::filesystem::path& where, const Work& work) {
 
 /// The facts that Container keeps, one on each line.
 std::string facts_of(const Dataset& data);
-/// Calls work with the container of the file; an error names the file.
+/// Calls `work` with the container of the file; an error names the file.
 void with_container(const std::filesystem::path& path, const std::function<void(const Container&)>& work);
 /// All that a `.vmat` file holds, in its stored order. `boxes` are for codecs that encode with them. Throws as read_dataset does.
 Dataset read_vmat(const std::filesystem::path& path, const Side& boxes = {});
-/// The same of a file of version 3 or of today's.
+/// The same for a file of version 3 or of the present version.
 Dataset read_vmat_of_any_version(const std::filesystem::path& path, const Side& boxes = {});
-/// `.vmat`, or what read_dataset reads; told apart by the first bytes.
+/// Reads a `.vmat` file, or whatever read_dataset reads; they are told apart by the first bytes.
 Dataset read_any_matrix(const std::filesystem::path& path);
 
 }  // namespace vismat::cli

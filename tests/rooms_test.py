@@ -1,9 +1,8 @@
 """Each room includes only what it uses: rooms_test.py SOURCE rooms.txt
 
-A room is a folder that is a CMake target. rooms.txt has a line a room, "FOLDER: ROOM ...": the rooms that CMake links to it. The
-test fails where an include line reaches another room, where rooms use one another in a circle, and where a folder with sources
-is no room.
-A room within another may also include a header of the outer room that includes nothing of the inner ones: types alone.
+A room is a folder that is a CMake target. rooms.txt has one line for each room, "FOLDER: ROOM ...", with the rooms that CMake links
+to it. The test fails if an include line reaches another room, if rooms use one another in a circle, or if a folder with sources is
+no room. A room within another may also include a header of the outer room that includes nothing of the inner ones, only types.
 """
 import pathlib
 import re

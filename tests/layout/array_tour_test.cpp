@@ -1,4 +1,4 @@
-// Turned ways against a plain list.
+// Tests tours in an array, whose parts are reversed, against a plain list.
 #include "layout/tours/array_tour.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The default order.
+// Tests the default order.
 #include "layout/best_order.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Certificates against all pairs, bounds against the best of all orders.
+// Tests certificates against all pairs of columns, and bounds against the best of all orders.
 #include "layout/bounds/bound.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Exact lists against a full sort.
+// Tests exact neighbour lists against a full sort.
 #include "layout/points/column_points.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Runs of ones, counted.
+// Tests how runs of ones are counted.
 #include "layout/cost.h"
 
 #include <gtest/gtest.h>

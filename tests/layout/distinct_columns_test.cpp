@@ -1,4 +1,4 @@
-// Equal columns, collapsed and unfolded.
+// Tests that equal columns are collapsed into one and expanded again.
 #include "layout/points/distinct_columns.h"
 
 #include <gtest/gtest.h>

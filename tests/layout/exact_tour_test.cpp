@@ -1,4 +1,4 @@
-// The walk against its definition.
+// Tests the tour to the nearest unvisited column against its definition.
 #include "layout/tours/exact_tour.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Greedy edges on cases small enough to see.
+// Tests greedy edges on cases that are small enough to check by hand.
 #include "layout/tours/fragments.h"
 
 #include <gtest/gtest.h>

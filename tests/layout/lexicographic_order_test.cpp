@@ -1,4 +1,4 @@
-// Bit strings, sorted.
+// Tests the order of columns as bit strings.
 #include "layout/orders/lexicographic_order.h"
 
 #include <gtest/gtest.h>

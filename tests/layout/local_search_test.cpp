@@ -1,4 +1,4 @@
-// Moves against the tours they lead to.
+// Tests moves against the tours to which they lead.
 #include "layout/tours/local_search.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A Z-order curve on four boxes.
+// Tests a Z-order curve on four boxes.
 #include "layout/orders/morton_order.h"
 
 #include <gtest/gtest.h>

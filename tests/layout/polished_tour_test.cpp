@@ -1,4 +1,4 @@
-// Polished tours against brute force on up to 8 columns, and against what they came from.
+// Tests polished tours against brute force on up to 8 columns, and against the tours that they improve.
 #include "layout/tours/polished_tour.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Every order alike.
+// Tests that the random order makes every order equally likely.
 #include "layout/orders/random_order.h"
 
 #include <gtest/gtest.h>

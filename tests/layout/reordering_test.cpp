@@ -1,4 +1,4 @@
-// Every order in the table, on every matrix.
+// Tests every order in the table, on every matrix.
 #include "layout/reordering.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The printed method against the same steps done plainly.
+// Tests the published method against the same steps done plainly.
 #include "layout/tours/sampled_tour.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The order at scale against all-pairs tours at small size.
+// Tests the order for many columns against tours over all pairs, at small size.
 #include "layout/tours/scale_tour.h"
 
 #include <gtest/gtest.h>

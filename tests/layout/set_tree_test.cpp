@@ -1,4 +1,4 @@
-// Trees over rows by what they hold.
+// Tests trees over rows by their visible sets.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Points in memory against the matrix, and out of core against those in memory.
+// Tests points in memory against the matrix, and points on disk against those in memory.
 #include "layout/points/sparse_points.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Tours cut open.
+// Tests how tours are cut into orders.
 #include "layout/tours/tour.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Bounds by shadows and rays.
+// Tests bounds by shadows and rays.
 #include "visibility/producers/bounds.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Levels by their place: archives, the message when something is missing, and the program around them.
+// Tests levels by their place: archives, the message when something is missing, and the program around them.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 

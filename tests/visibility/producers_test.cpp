@@ -1,4 +1,4 @@
-// The producers on scenes whose visibility is known.
+// Tests the producers on scenes whose visibility is known.
 #include <gtest/gtest.h>
 
 #include <algorithm>

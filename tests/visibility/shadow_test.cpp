@@ -1,4 +1,4 @@
-// Shadows of single occluders, and their fusion.
+// Tests shadows of single occluders, and of several that are joined.
 #include "visibility/shadows/shadow.h"
 
 #include <gtest/gtest.h>
