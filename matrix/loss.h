@@ -18,8 +18,8 @@ struct RowLoss {
 struct Loss {
   Shape shape;
   std::uint64_t visible = 0;  // ones of the original
-  std::uint64_t added =
-      0;  // ones that only the lossy matrix has: lost occlusions [Zach & Karner 2003, section 4.1]
+  /// Ones that only the lossy matrix has: the lost occlusions [Zach & Karner 2003, section 4.1].
+  std::uint64_t added = 0;
   std::uint64_t missing = 0;  // ones that only the original has: 0 if nothing but occlusions was lost
   struct Entry {
     std::uint32_t row, column;

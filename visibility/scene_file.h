@@ -19,8 +19,8 @@ struct SceneFile {
   std::string provenance;
   std::optional<std::uint64_t> seed;
 };
-SceneFile read_scene(
-    const std::filesystem::path& path);  // FormatError naming the file, the array and the bad value
+/// Throws FormatError naming the file, the array and the bad value.
+SceneFile read_scene(const std::filesystem::path& path);
 void write_scene(const std::filesystem::path& path, const SceneFile& file);
 
 }  // namespace vismat

@@ -11,9 +11,10 @@ namespace vismat {
 
 /// Some order with the fewest runs has equal columns as neighbours, so it is enough to order the distinct ones.
 struct DistinctColumns {
-  VisibilityMatrix
-      matrix;  // the first of each set of equal columns, in order of appearance, an empty one last
-  std::vector<std::uint32_t> distinct_of_column;  // which column of `matrix` each column equals
+  /// The first of each set of equal columns, in order of appearance, with an empty one last.
+  VisibilityMatrix matrix;
+  /// Which column of `matrix` each column equals.
+  std::vector<std::uint32_t> distinct_of_column;
 };
 
 /// Uses SparsePoints; O(ones + columns log columns).

@@ -9,11 +9,11 @@ namespace vismat {
 
 /// The parameters of a plant, in metres. The defaults give 30 thousand components of 2 million triangles.
 struct PlantOptions {
-  std::uint32_t size =
-      7;                // bays along a side, 1 to 64; each has a tank, vessels, or a steel frame with floors
-  float bay = 16;       // side of a bay, at least 8; a multiple of 0.8 m is used, the next below
-  float height = 12;    // of the space that pipes run through, at least 4
-  float pipes = 0.25f;  // share of that space's nodes, 0.8 m apart, that pipes take at most
+  /// Bays along a side, 1 to 64. Each has a tank, vessels, or a steel frame with floors.
+  std::uint32_t size = 7;
+  float bay = 16;                // side of a bay, at least 8; a multiple of 0.8 m is used, the next below
+  float height = 12;             // of the space that pipes run through, at least 4
+  float pipes = 0.25f;           // share of that space's nodes, 0.8 m apart, that pipes take at most
   std::uint32_t pipe_sides = 8;  // points round a pipe
   float cell = 4;                // side of a view cell
   std::uint64_t seed = 1;

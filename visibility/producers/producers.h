@@ -25,8 +25,8 @@ struct ProducerOptions {
   std::optional<std::uint32_t> directions, viewpoints, passes;
   std::optional<double> enough;
   std::optional<std::uint64_t> seed;
-  unsigned threads =
-      0;  // for what a producer prepares by itself; 0: one for each core. No result depends on it
+  /// For what a producer prepares by itself; 0: one for each core. No result depends on it.
+  unsigned threads = 0;
 };
 using ProducerSetting =
     std::variant<std::optional<std::uint32_t> ProducerOptions::*,

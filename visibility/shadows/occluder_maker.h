@@ -12,8 +12,8 @@
 
 namespace vismat {
 
-constexpr std::size_t most_faces =
-    128;  // of a solid; for a rounder one, boxes inside it are cheaper occluders
+/// The most faces of a solid. For a rounder solid, boxes inside it are cheaper occluders.
+constexpr std::size_t most_faces = 128;
 
 /// The occluders of one object while they are made, and the object's measures.
 struct OccluderMaker {
