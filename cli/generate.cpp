@@ -42,9 +42,7 @@ void run(const Arguments& arguments) {
 void add_generate(Program& program) {
   const auto arguments = std::make_shared<Arguments>();
   const Verb verb = program.verb(
-      "generate",
-      "Make a random matrix of differences, without a scene, like those of the power plant and the city of "
-      "Chhugani et al. 2005, with up to 10^9 ones");
+      "generate", "Make a random matrix of differences like those of Chhugani et al. 2005, without a scene");
   verb.option("MODEL", arguments->scene,
               "Which scene of Chhugani et al. 2005 the matrix imitates (no scene is made)")
       .required()

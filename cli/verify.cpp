@@ -94,9 +94,9 @@ void run(const Options& options) {
 
 void add_verify(Program& program) {
   const auto options = std::make_shared<Options>();
-  const Verb verb = program.verb(
-      "verify",
-      "Prove that a merged matrix hides nothing that its source shows, or check a matrix against its scene");
+  const Verb verb = program.verb("verify",
+                                 "Prove that a merged matrix hides nothing visible, or check a matrix "
+                                 "against its scene in exact arithmetic");
   verb.option("MATRIX", options->matrix, "The matrix to verify (.bsp.h5, .mtx or .vmat)").required();
   const Option original = verb.option("ORIGINAL", options->original,
                                       "Its source, the matrix that was merged (.bsp.h5, .mtx or .vmat)");
