@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "matrix/base/random.h"
+#include "tests/sanitized.h"
 #include "visibility/rays/ray_caster.h"
 #include "visibility/shadows/shadow_buffer.h"
 #include "visibility/view_cells.h"
@@ -313,13 +314,13 @@ TEST(Shadow, NeverHidesWhatARaySees) {
     const RayCaster caster(solids.scene);
     const Shadows shadows(solids.scene, solids.occluders);
     ShadowOptions options;
-    options.points = 9, options.patches = 60;
+    options.points = 9, options.patches = test::trials(60);
     const auto view = shadows.view(options);
     for (std::uint32_t cell = 0; cell < cells.count(); ++cell) {
       const Convex convex = convex_of(cells, cell);
       const Objects around = view->not_hidden(convex), left = view->refined(convex, around, around);
       hidden += solids.scene.object_count - left.size();
-      for (int i = 0; i < 30000; ++i) {
+      for (int i = 0; i < test::trials(30000); ++i) {
         glm::dvec3 from{};
         double weights = 0;
         for (const glm::dvec3& vertex : convex.vertices) {

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
+#include "tests/sanitized.h"
 #include "tests/visibility/analytic_scenes.h"
 #include "visibility/exact/line_space.h"
 
@@ -137,7 +138,7 @@ TEST(Witness, WhatHidesFromPatches) {
         continue;
       }
       EXPECT_EQ(doubt, std::nullopt) << "object " << object;
-      for (int half = 0; half < 2; ++half) {  // each leaves a hole
+      for (int half = 0; half < test::trials(2); ++half) {  // each leaves a hole
         HiddenWitness some;
         for (std::size_t i = 0; i < strips.parts.size(); ++i) {
           if ((i % 32 < 16) == (half == 0)) some.parts.push_back(strips.parts[i]);
