@@ -284,13 +284,13 @@ def draw_flann(results):
 
 
 CHARTS = {
-    "runs_against_seconds": ("Runs against seconds, with a panel for each matrix. The star is best; no order can lie below the red line", draw_runs_against_seconds),
-    "gap_against_seconds": ("The same near the bound, with a mark for each matrix and method", draw_gap_against_seconds),
-    "bound_convergence": ("Convergence of the lower bound", draw_convergence),
-    "distances": ("Fig. 6 of Chhugani et al. 2005 for our data: points near a random point, by the number of points and by the radius", draw_distances),
-    "scale": ("Runs, seconds and memory against size, up to the size in the paper", draw_scale),
-    "walk": ("Disk reads and bytes read on walks through levels, compared with a random order of the faces on the disk (Fig. 12 of Chhugani et al. 2005)", draw_walk),
-    "failures_shapes": ("Synthetic matrices on which orders fail", draw_shapes),
-    "failures_samples": ("The published method by sample size and k", draw_samples),
-    "failures_flann": ("FLANN's indexes and a plain scan: recall and time by dimension and density", draw_flann),
+    "runs_against_seconds": ("Runs against seconds, with a panel for each matrix. The star is best; no order can lie below the red line", draw_runs_against_seconds, []),
+    "gap_against_seconds": ("The same near the bound, with a mark for each matrix and method", draw_gap_against_seconds, []),
+    "bound_convergence": ("Convergence of the lower bound", draw_convergence, []),
+    "distances": ("Fig. 6 of Chhugani et al. 2005 for our data: points near a random point, by the number of points and by the radius", draw_distances, []),
+    "scale": ("Runs, seconds and memory against size, up to the size in the paper", draw_scale, []),
+    "walk": ("Disk reads and bytes read on walks through levels, compared with a random order of the faces on the disk (Fig. 12 of Chhugani et al. 2005)", draw_walk, ["walk"]),
+    "failures_shapes": ("Synthetic matrices on which orders fail", draw_shapes, []),
+    "failures_samples": ("The published method by sample size and k", draw_samples, []),
+    "failures_flann": ("FLANN's indexes and a plain scan: recall and time by dimension and density", draw_flann, []),
 }

@@ -46,7 +46,7 @@ def sections(results):
 
 def main(out="out", records=None):
     results = load(out)
-    charts = {name: (caption, draw(results)) for name, (caption, draw) in CHARTS.items() if name != "walk" or results.walk is not None}
+    charts = tools.drawn(CHARTS, results)
     tools.write_report(out, "layout", "Orders of columns and rows, with lower bounds", HOW_TO_READ, sections(results), charts, records)
 
 

@@ -101,6 +101,11 @@ def drawable(charts, results):
             if all(getattr(results, need) is not None and len(getattr(results, need)) for need in needs)}
 
 
+def drawn(charts, results):
+    """These charts' names to caption and figure."""
+    return {name: (caption, draw(results)) for name, (caption, draw) in drawable(charts, results).items()}
+
+
 # ---- the page --------------------------------------------------------------------------------------------------------------
 
 def provenance(folder):

@@ -260,7 +260,7 @@ def sections(results):
 
 def main(out="out", records=None):
     results = load(out)
-    charts = {name: (caption, draw(results)) for name, (caption, draw) in tools.drawable(CHARTS, results).items()}
+    charts = tools.drawn(CHARTS, results)
     tools.write_report(out, "visibility", "Visibility from view cells", HOW_TO_READ, sections(results), charts, records)
 
 

@@ -300,9 +300,9 @@ def _label_above(axes, labels, gap=0.042):
 
 
 CHARTS = {
-    "ratios": ("Compression ratio on the artificial scenes", draw_ratios),
-    "levels": ("Compression ratio on real levels", draw_levels),
-    "bytes_against_visibility": ("Bytes against average visibility", draw_bytes_against_visibility),
+    "ratios": ("Compression ratio on the artificial scenes", draw_ratios, []),
+    "levels": ("Compression ratio on real levels", draw_levels, ["levels"]),
+    "bytes_against_visibility": ("Bytes against average visibility", draw_bytes_against_visibility, []),
 }
 
 
@@ -334,7 +334,7 @@ def sections(results):
 
 def main(out="out", records=None):
     results = load(out)
-    charts = {name: (caption, draw(results)) for name, (caption, draw) in CHARTS.items() if name != "levels" or results.levels}
+    charts = tools.drawn(CHARTS, results)
     tools.write_report(out, "zach2003", "Compressed visibility: Zach and Karner 2003, Tables 1 and 2", HOW_TO_READ, sections(results), charts,
                        records)
 
