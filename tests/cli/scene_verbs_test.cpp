@@ -48,7 +48,7 @@ TEST_F(Program, MakesViewCells) {
 
 TEST_F(Program, CountsTheTrianglesThatAreDrawn) {
   vismat_succeeds("city --size 4 -o city.scene.h5");
-  vismat_succeeds("see city.scene.h5 --objects -o city.bsp.h5");
+  vismat_succeeds("see city.scene.h5 --effort 0 --objects -o city.bsp.h5");
   const Finished run = vismat_succeeds("triangles city.scene.h5 city.bsp.h5 -o table.csv");
   EXPECT_TRUE(contains(run.out, "without back faces"));
   std::istringstream lines(contents("table.csv"));
@@ -70,7 +70,7 @@ TEST_F(Program, CountsTheTrianglesThatAreDrawn) {
 
 TEST_F(Program, VerifyChecksAMatrixAgainstItsScene) {
   vismat_succeeds("city --size 4 -o city.scene.h5");
-  vismat_succeeds("see city.scene.h5 --objects -o in.bsp.h5 --seen seen.bsp.h5");
+  vismat_succeeds("see city.scene.h5 --effort 0 --objects -o in.bsp.h5 --seen seen.bsp.h5");
   const auto check = [&](const std::string& matrix, const std::string& claim) {
     const std::string samples = test::sanitized ? "10" : "30";
     const Finished run =
@@ -89,10 +89,12 @@ TEST_F(Program, VerifyChecksAMatrixAgainstItsScene) {
   blind.sight_lines.clear();
   blind.degree_of_visibility.clear();
   write("blind.bsp.h5", blind);
-  const Finished refuted = vismat("verify blind.bsp.h5 --witness city.scene.h5 --samples 2");
-  EXPECT_EQ(refuted.code, 1);
-  EXPECT_TRUE(contains(refuted.error, "entries are not confirmed to be hidden, the first in row "))
-      << refuted.error;
+  if (!test::sanitized) {  // Audit.Occluders does the same there, in less time
+    const Finished refuted = vismat("verify blind.bsp.h5 --witness city.scene.h5 --samples 2");
+    EXPECT_EQ(refuted.code, 1);
+    EXPECT_TRUE(contains(refuted.error, "entries are not confirmed to be hidden, the first in row "))
+        << refuted.error;
+  }
   expect_refusal("verify in.bsp.h5", "name the ORIGINAL matrix, or a scene with --witness");
   blind.guarantee = Guarantee::unknown;
   write("blind.bsp.h5", blind);

@@ -11,6 +11,7 @@
 #include "codecs/vmat/container.h"
 #include "programs/prepared_for.h"
 #include "tests/codecs/matrices.h"
+#include "tests/sanitized.h"
 #include "tests/table_name.h"
 
 namespace vismat {
@@ -74,7 +75,7 @@ TEST_P(EveryCodec, RefusesEveryPrefixAndOneMoreByte) {
 TEST_P(EveryCodec, SurvivesFlippedBits) {
   const Dataset c = case_for(GetParam(), test::clustered_matrix({40, 50}, 6));
   const Encoded good = encoded(GetParam(), c);
-  for (std::size_t bit = 0; bit < good.payload.size() * 8; ++bit) {
+  for (std::size_t bit = 0; bit < good.payload.size() * 8; bit += test::sanitized ? 3 : 1) {
     Encoded bad = good;
     bad.payload[bit / 8] ^= std::byte{1} << (bit % 8);
     try {

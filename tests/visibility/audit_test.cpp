@@ -87,9 +87,9 @@ TEST(Audit, Occluders) {
   dataset.matrix = VisibilityMatrix::from_rows(
       std::vector<std::vector<std::uint32_t>>(dataset.matrix.shape().rows), dataset.matrix.shape().columns);
   AuditOptions options;
-  options.entries = 40, options.patches = 10;
+  options.entries = static_cast<std::uint32_t>(test::trials(40)), options.patches = 10;
   found = audited(dataset, options);
-  EXPECT_LT(found.hidden.confirmed, 40u);
+  EXPECT_LT(found.hidden.confirmed, options.entries);
   EXPECT_TRUE(found.hidden.first_not_confirmed);
 }
 
