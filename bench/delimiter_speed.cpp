@@ -190,7 +190,7 @@ void measure(const std::string& name, const std::function<void(benchmark::State&
       ->ReportAggregatesOnly();
 }
 
-void run() {
+void run_delimiter_speed() {
   benchmark::AddCustomContext("compiler", __VERSION__);
   const std::vector<Mix> mixes = all_mixes();
   for (const Mix& mix : mixes) {
@@ -231,7 +231,7 @@ void add_delimiter_speed(const Verb& verb) {
   verb.example("bench delimiter-speed --benchmark_repetitions=9");
   verb.runs_with_rest([](const std::vector<std::string>& arguments) {
     start_google_benchmark(arguments, "bench delimiter-speed");
-    run();
+    run_delimiter_speed();
   });
 }
 

@@ -26,7 +26,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct DiskWalkOptions {
   std::vector<std::string> levels;
   std::vector<std::string> layouts = {"identity", "random", "sampled-tour", "best"};
   std::vector<std::uint64_t> pages = {4096, 65536}, ahead = {0, 1, 4};
@@ -70,7 +70,7 @@ double fewer(std::uint64_t reads, std::uint64_t than) {
   return 100 * (1 - static_cast<double>(reads) / static_cast<double>(std::max<std::uint64_t>(than, 1)));
 }
 
-void run(const Options& options, const std::string& where, std::string& csv) {
+void run_disk_walk(const DiskWalkOptions& options, const std::string& where, std::string& csv) {
   const Level level = read_level(where);
   if (level.face_ids.empty()) throw std::invalid_argument(where + ": a level without faces");
   const VisibilityMatrix visible = face_visibility(level);
@@ -129,7 +129,7 @@ void run(const Options& options, const std::string& where, std::string& csv) {
 }  // namespace
 
 void add_disk_walk(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<DiskWalkOptions>();
   verb.option("LEVEL", o->levels, "Quake 3 levels, FILE.bsp or FILE.pk3:maps/NAME.bsp").required();
   verb.option("--layout", o->layouts, "Orders of the faces on the disk, named as in 'vismat order'");
   verb.option("--page", o->pages, "Bytes of a page of the disk");
@@ -146,7 +146,7 @@ void add_disk_walk(const Verb& verb) {
     std::string csv =
         "matrix,layout,page_bytes,read_ahead_pages,steps,reads,bytes_read,bytes_wanted,total_bytes,cache_"
         "bytes,runs\n";
-    for (const std::string& level : o->levels) run(*o, level, csv);
+    for (const std::string& level : o->levels) run_disk_walk(*o, level, csv);
     write_table(o->csv, csv);
   });
 }

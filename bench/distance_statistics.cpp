@@ -31,7 +31,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct DistanceStatisticsOptions {
   std::filesystem::path out = "out";
   std::vector<std::string> files;
   double scale = 0;
@@ -77,7 +77,7 @@ double multiple(std::size_t i) {
   return std::exp2(static_cast<double>(i) / 4);  // up to 64
 }
 
-Shares mean_shares(const ColumnPoints& points, std::uint32_t size, const Options& options) {
+Shares mean_shares(const ColumnPoints& points, std::uint32_t size, const DistanceStatisticsOptions& options) {
   std::vector<Shares> trials(options.trials);
   parallel_for(options.trials, 0, [&](std::uint64_t trial) {
     Random random(options.seed, trial);
@@ -98,8 +98,8 @@ Shares mean_shares(const ColumnPoints& points, std::uint32_t size, const Options
   return mean;
 }
 
-void add_matrix(const std::string& name, const VisibilityMatrix& matrix, const Options& options,
-                Tables& tables) {
+void add_matrix(const std::string& name, const VisibilityMatrix& matrix,
+                const DistanceStatisticsOptions& options, Tables& tables) {
   const DistinctColumns distinct = distinct_columns(matrix);
   const ColumnPoints points(distinct.matrix);
   if (points.size() < 2) return;
@@ -117,7 +117,7 @@ void add_matrix(const std::string& name, const VisibilityMatrix& matrix, const O
   std::fflush(stdout);
 }
 
-void run(const Options& options) {
+void run_distance_statistics(const DistanceStatisticsOptions& options) {
   Tables tables;
   for (const std::string& file : options.files)
     add_matrix(matrix_name(file), read_dataset(file).matrix, options, tables);
@@ -136,7 +136,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_distance_statistics(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<DistanceStatisticsOptions>();
   verb.option("--out", o->out, "Folder for the two tables");
   verb.option("--scale", o->scale, "Also the synthetic matrices, at this share of the paper's size; 0: none")
       .between(1e-4, 1.);
@@ -146,7 +146,7 @@ void add_distance_statistics(const Verb& verb) {
   verb.option("MATRIX", o->files, "Matrix files");
   verb.note("A point is a column; equal columns count once.");
   verb.example("bench distance-statistics koth1.bsp.h5 --out out");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_distance_statistics(*o); });
 }
 
 }  // namespace vismat::bench

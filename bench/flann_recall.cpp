@@ -25,7 +25,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct FlannRecallOptions {
   std::vector<std::uint32_t> rows = {256, 1024, 4096, 16384};
   std::vector<double> densities = {.002, .01, .05, .2};
   std::uint32_t columns = 10000, k = 10, queries = 100;
@@ -33,7 +33,7 @@ struct Options {
   std::filesystem::path csv;
 };
 
-BitRows clustered_columns(std::uint32_t rows, double density, const Options& options) {
+BitRows clustered_columns(std::uint32_t rows, double density, const FlannRecallOptions& options) {
   Random random(options.seed, rows + static_cast<std::uint64_t>(density * 1e6));
   const std::uint32_t clusters = std::max(1u, options.columns / 25);
   const auto ones = static_cast<std::uint32_t>(std::max(1., std::round(density * rows)));
@@ -114,7 +114,7 @@ unsigned sensible_key(double density, std::uint32_t columns) {
   return static_cast<unsigned>(std::clamp(std::log2(columns) / entropy, 8., 26.));
 }
 
-void run(const Options& options) {
+void run_flann_recall(const FlannRecallOptions& options) {
   std::string csv = "index,rows,density,columns,k,recall,us_per_query,build_seconds\n";
   std::printf("%-14s %6s %8s %8s %4s %8s %12s %9s\n", "index", "rows", "density", "columns", "k", "recall",
               "us a query", "build s");
@@ -154,7 +154,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_flann_recall(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<FlannRecallOptions>();
   verb.option("--rows", o->rows, "Numbers of rows of the matrices");
   verb.option("--density", o->densities, "Shares of ones in each column").between(1e-6, .5);
   verb.option("--columns", o->columns, "Number of columns, before equal ones are collapsed")
@@ -164,7 +164,7 @@ void add_flann_recall(const Verb& verb) {
   verb.option("--seed", o->seed, "Seed of the columns; FLANN has seeds of its own");
   verb.option("--csv", o->csv, "File for the table as CSV");
   verb.example("bench flann-recall --rows 1024 --density 0.01 0.05 --csv flann.csv");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_flann_recall(*o); });
 }
 
 }  // namespace vismat::bench

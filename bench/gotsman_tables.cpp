@@ -34,7 +34,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct GotsmanTablesOptions {
   std::filesystem::path csv;
   std::vector<std::filesystem::path> files;
   std::vector<std::string> orders = {"natural", "best"};
@@ -173,7 +173,7 @@ void add_lines(const Dataset& data, const std::string& name, const std::string& 
   add_tree("by sets", tree_by_sets(matrix));
 }
 
-void run(const Options& options) {
+void run_gotsman_tables(const GotsmanTablesOptions& options) {
   std::string csv =
       "matrix,rows,columns,ones,order,tree,codec,payload_bytes,model_bytes,index_bytes,tree_bytes,encode_s,"
       "decode_s,row_us,row_us_95,row_path_us,row_bytes_read,row_parts_read\n";
@@ -193,14 +193,14 @@ void run(const Options& options) {
 }  // namespace
 
 void add_gotsman_tables(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<GotsmanTablesOptions>();
   verb.option("--csv", o->csv, "File for the table as CSV");
   verb.option("--orders", o->orders, "Orders of the columns").comma_separated().one_of({"natural", "best"});
   verb.option("--seconds", o->seconds,
               "Seconds for each time: passes begin for this long, and their median counts");
   verb.option("MATRIX", o->files, "Matrix files").required();
   verb.example("bench gotsman-tables koth1.bsp.h5 --orders best --csv gotsman.csv");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_gotsman_tables(*o); });
 }
 
 }  // namespace vismat::bench

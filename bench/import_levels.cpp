@@ -80,7 +80,7 @@ void import(benchmark::State& state, const std::vector<std::string>& levels) {
   state.counters["visible_pairs"] = static_cast<double>(ones);
 }
 
-void run() {
+void run_import_levels() {
   const char* cache = std::getenv("VISMAT_CACHE");
   const fs::path folder = cache != nullptr ? cache : "cache/levels";
   if (!fs::is_directory(folder))
@@ -110,7 +110,7 @@ void add_import_levels(const Verb& verb) {
   verb.example("VISMAT_CACHE=levels bench import-levels");
   verb.runs_with_rest([](const std::vector<std::string>& arguments) {
     start_google_benchmark(arguments, "bench import-levels");
-    run();
+    run_import_levels();
   });
 }
 

@@ -25,7 +25,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct LossyFailuresOptions {
   std::vector<std::filesystem::path> files;
   std::filesystem::path out = "out/lossy";
   double lost = .05;
@@ -45,7 +45,7 @@ Code code_of(const Merge& merge, const VisibilityMatrix& original) {
 
 // ---- seeds -------------------------------------------------------------------------------------------------------------
 
-std::string seeds(const std::vector<Subject>& subjects, const Options& options) {
+std::string seeds(const std::vector<Subject>& subjects, const LossyFailuresOptions& options) {
   std::string csv = "matrix,method,seed,cells,bytes,names_bytes,cell_95,cell_worst,merge_s\n";
   for (const auto& [name, data] : subjects) {
     const auto add = [&](const char* method, unsigned seed) {
@@ -78,7 +78,7 @@ VisibilityMatrix random_matrix(std::uint32_t size, double density, std::uint64_t
 }
 
 // The given matrices beside them: cells, and bytes before and after. Random ones stay in their order, for none is better.
-std::string without_structure(const std::vector<Subject>& subjects, const Options& options) {
+std::string without_structure(const std::vector<Subject>& subjects, const LossyFailuresOptions& options) {
   std::string csv =
       "matrix,rows,density,cells,lost_share,added_share,bytes_before,bytes,cell_95,cell_worst\n";
   const auto add = [&](const std::string& name, const Dataset& data, Ordered ordered) {
@@ -130,7 +130,7 @@ DenseRows with_dense_rows(const VisibilityMatrix& matrix, std::uint32_t dense, d
 }
 
 // A cell is poisoned where it lost more than half of what it hid. Seeds draw their pairs at random, so they are shown too.
-std::string dense_rows(const std::vector<Subject>& subjects, const Options& options) {
+std::string dense_rows(const std::vector<Subject>& subjects, const LossyFailuresOptions& options) {
   std::string csv =
       "matrix,dense,share,method,max_per_cell,lost,cells,lost_share,bytes,poisoned,cell_median,cell_95,cell_"
       "worst\n";
@@ -173,7 +173,8 @@ std::string dense_rows(const std::vector<Subject>& subjects, const Options& opti
 // ---- who pays ----------------------------------------------------------------------------------------------------------
 
 // `quantiles`: how much of its own zeros each part of the cells lost, at most.
-std::string cells(const std::vector<Subject>& subjects, const Options& options, std::string& quantiles) {
+std::string cells(const std::vector<Subject>& subjects, const LossyFailuresOptions& options,
+                  std::string& quantiles) {
   std::string csv =
       "matrix,max_per_cell,cells,lost_share,bytes,names_bytes,cell_median,cell_95,cell_worst,merge_s\n";
   quantiles = "matrix,max_per_cell,share_of_cells,lost\n";
@@ -238,7 +239,7 @@ VisibilityMatrix objects_of(const VisibilityMatrix& nodes, const ObjectTree& tre
   return transpose(VisibilityMatrix::from_rows(columns, nodes.shape().rows));
 }
 
-std::string trees(const std::vector<Subject>& subjects, const Options& options) {
+std::string trees(const std::vector<Subject>& subjects, const LossyFailuresOptions& options) {
   std::string csv =
       "matrix,way,lost,columns_left,cells_left,added,added_share,violations,cells_with_violations\n";
   for (const auto& [name, data] : subjects) {
@@ -327,7 +328,7 @@ void print_table(const std::string& csv) {
   }
 }
 
-void run(const Options& options) {
+void run_lossy_failures(const LossyFailuresOptions& options) {
   std::vector<Subject> subjects;
   for (const auto& file : options.files) subjects.push_back({matrix_name(file), read_matrix(file)});
   const auto tell = [&](const char* file, const std::string& csv, double start) {
@@ -353,7 +354,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_lossy_failures(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<LossyFailuresOptions>();
   verb.option("--out", o->out, "Folder for the tables");
   verb.option("--lost", o->lost, "Share of the occlusions that merging may lose").between(0., .25);
   verb.option("--seeds", o->seeds, "Number of seeds that the paper's method is run with").between(1u, 1000u);
@@ -361,7 +362,7 @@ void add_lossy_failures(const Verb& verb) {
       .between(10u, 100'000u);
   verb.option("MATRIX", o->files, "Matrix files");
   verb.example("bench lossy-failures --out out koth1.bsp.h5");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_lossy_failures(*o); });
 }
 
 }  // namespace vismat::bench

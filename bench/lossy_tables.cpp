@@ -20,7 +20,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct LossyTablesOptions {
   std::vector<std::filesystem::path> files;
   std::filesystem::path csv;
   std::vector<double> lost = {0, .005, .01, .02, .05, .1, .2};
@@ -40,8 +40,8 @@ struct Case {
   double lost = 0;
 };
 
-void add_lines(const std::string& name, const Dataset& original, const Case& now, const Options& options,
-               const std::vector<Codec>& codecs, std::string& csv) {
+void add_lines(const std::string& name, const Dataset& original, const Case& now,
+               const LossyTablesOptions& options, const std::vector<Codec>& codecs, std::string& csv) {
   const Merge merge = now.method == "none"
                           ? without_merge(original)
                           : merge_of(original, merge_side(now.side), find_grouping(now.method),
@@ -68,7 +68,7 @@ void add_lines(const std::string& name, const Dataset& original, const Case& now
   std::fflush(stdout);  // before the progress, on stderr
 }
 
-void add_matrix(const std::filesystem::path& file, const Options& options, std::string& csv) {
+void add_matrix(const std::filesystem::path& file, const LossyTablesOptions& options, std::string& csv) {
   const Dataset original = read_matrix(file);
   const std::string name = matrix_name(file);
   const bool nodes = original.source.columns_are_nodes;
@@ -95,7 +95,7 @@ void add_matrix(const std::filesystem::path& file, const Options& options, std::
   }
 }
 
-void run(const Options& options) {
+void run_lossy_tables(const LossyTablesOptions& options) {
   std::string csv = table_begin(options.csv, header, options.append);
   for (const auto& file : options.files) {
     add_matrix(file, options, csv);
@@ -106,7 +106,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_lossy_tables(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<LossyTablesOptions>();
   verb.option("MATRIX", o->files, "Matrix files").required();
   verb.option("--csv", o->csv, "File for the tables as CSV");
   verb.flag("--append", o->append, "Add to that file instead of replacing it");
@@ -125,7 +125,7 @@ void add_lossy_tables(const Verb& verb) {
       .between(0., 1.);
   verb.flag("--no-lossless", o->no_lossless, "Leave out the lines of the source without loss");
   verb.example("bench lossy-tables koth1.bsp.h5 --lost 0,0.05 --csv curves.csv");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_lossy_tables(*o); });
 }
 
 }  // namespace vismat::bench

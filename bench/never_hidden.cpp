@@ -32,7 +32,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct NeverHiddenOptions {
   std::vector<std::string> levels;
   double rays = 1e6;
   std::uint32_t cells = 12, patches = 24;
@@ -110,7 +110,8 @@ struct Count {
   std::string first;
 };
 
-Count shoot(const Place& place, std::uint64_t rays, const Options& options, const Progress& progress) {
+Count shoot(const Place& place, std::uint64_t rays, const NeverHiddenOptions& options,
+            const Progress& progress) {
   const RayCaster caster(place.scene);
   const AimedRays aim(place.scene, caster);
   const WitnessCheck check(place.scene);
@@ -179,7 +180,7 @@ Count shoot(const Place& place, std::uint64_t rays, const Options& options, cons
   return sum;
 }
 
-void run(const Options& options) {
+void run_never_hidden(const NeverHiddenOptions& options) {
   std::vector<std::function<Place()>> places = {
       [] {
         CityOptions city;
@@ -238,7 +239,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_never_hidden(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<NeverHiddenOptions>();
   verb.option("LEVEL", o->levels,
               "Quake 3 levels to check as well, FILE.bsp or FILE.pk3:maps/NAME.bsp; their clusters' boxes "
               "are the view cells");
@@ -247,7 +248,7 @@ void add_never_hidden(const Verb& verb) {
   verb.option("--patches", o->patches, "Number of patches of a view cell's surface");
   verb.threads(o->threads);
   verb.example("bench never-hidden --rays 1e7 oa_koth1.bsp");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_never_hidden(*o); });
 }
 
 }  // namespace vismat::bench

@@ -22,7 +22,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct OctreeTablesOptions {
   std::vector<std::string> scenes;
   std::vector<double> shares = {.15, .2, .25, .3};
   std::filesystem::path csv;
@@ -75,7 +75,7 @@ std::string lines_of(const std::string& name, const std::vector<double>& shares,
   return csv;
 }
 
-void run(const Options& options) {
+void run_octree_tables(const OctreeTablesOptions& options) {
   std::string csv =
       "scene,triangles,threshold,level,side,evaluated,kept,stopped,excess,cells,mean_triangles\n";
   for (const std::string& scene : options.scenes) {
@@ -87,7 +87,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_octree_tables(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<OctreeTablesOptions>();
   verb.option("SCENE", o->scenes,
               "Scenes as for visibility-tables; dense-city is here only a quarter as large")
       .required();
@@ -97,7 +97,7 @@ void add_octree_tables(const Verb& verb) {
   verb.option("--levels", o->levels, "How often a view cell is divided at most");
   verb.option("--csv", o->csv, "File for the tables as CSV");
   verb.example("bench octree-tables dense-city --share 0.2 --levels 4 --csv octree.csv");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_octree_tables(*o); });
 }
 
 }  // namespace vismat::bench

@@ -43,7 +43,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct OrderFailuresOptions {
   std::filesystem::path out = "out";
   std::vector<std::string> files;
   double scale = 1. / 64;
@@ -126,7 +126,7 @@ void add_shape(const char* study, double parameter, const VisibilityMatrix& plan
                     result.method, result.runs, mean_runs_of_random(matrix), count_runs(planted), bound);
 }
 
-std::string shapes(const Options& options) {
+std::string shapes(const OrderFailuresOptions& options) {
   std::string csv = "study,parameter,rows,columns,ones,method,runs,random,planted,bound\n";
   const std::uint32_t n = options.columns;
   for (const double density : {.005, .02, .1, .3, .5, .9}) {
@@ -213,7 +213,7 @@ std::string samples(const std::vector<Named>& matrices) {
 }
 
 // Not of orders that take no seed (their first two give the same runs) or are another one here under a second name.
-std::string seeds(const std::vector<Named>& matrices, const Options& options) {
+std::string seeds(const std::vector<Named>& matrices, const OrderFailuresOptions& options) {
   std::string csv = "matrix,columns,method,seeds,mean,deviation,least,most\n";
   for (const Named& m : matrices) {
     const std::uint32_t columns = m.matrix.shape().columns;
@@ -253,7 +253,7 @@ std::string seeds(const std::vector<Named>& matrices, const Options& options) {
 }
 
 // Ties are no misses: found is what is as near as the k-th nearest.
-std::string recall(const std::vector<Named>& matrices, const Options& options) {
+std::string recall(const std::vector<Named>& matrices, const OrderFailuresOptions& options) {
   std::string csv =
       "matrix,points,rows,mean_weight,sketch_bits,k,recall,nearest_found,seconds,cpu_seconds,"
       "brute_cpu_seconds\n";
@@ -297,7 +297,7 @@ std::string recall(const std::vector<Named>& matrices, const Options& options) {
   return csv;
 }
 
-void run(const Options& options) {
+void run_order_failures(const OrderFailuresOptions& options) {
   std::vector<Named> matrices;
   for (const std::string& file : options.files)
     matrices.push_back({matrix_name(file), read_dataset(file).matrix});
@@ -322,7 +322,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_order_failures(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<OrderFailuresOptions>();
   verb.option("--out", o->out, "Folder for the tables");
   verb.option("--scale", o->scale, "Size of the synthetic power plant, as a share of the paper's")
       .between(1e-4, 1.);
@@ -333,7 +333,7 @@ void add_order_failures(const Verb& verb) {
       .between(1u, 1'000'000u);
   verb.option("MATRIX", o->files, "Matrix files");
   verb.example("bench order-failures --out out city32.bsp.h5");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_order_failures(*o); });
 }
 
 }  // namespace vismat::bench

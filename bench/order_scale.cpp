@@ -24,7 +24,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct OrderScaleOptions {
   std::string scene = "power-plant";
   bool harder = false;
   std::vector<double> scales = {1. / 64, 1. / 16};
@@ -42,14 +42,14 @@ struct Measured {
   double order_seconds, order_cpu_seconds, two_nearest_seconds, held_karp_seconds;
 };
 
-DeltaSceneOptions scene_of(const Options& options, double scale) {
+DeltaSceneOptions scene_of(const OrderScaleOptions& options, double scale) {
   DeltaSceneOptions scene =
       options.scene == "city" ? city_scene(scale, options.harder) : power_plant_scene(scale, options.harder);
   scene.seed = options.seed;
   return scene;
 }
 
-Measured measure(const Options& options, double scale, const std::string& method) {
+Measured measure(const OrderScaleOptions& options, double scale, const std::string& method) {
   const VisibilityMatrix matrix = generate_delta_scene(scene_of(options, scale), options.threads);
   Measured m{matrix.shape().rows, matrix.shape().columns, matrix.ones(), 0, 0, 0, 0, 0, 0, 0, 0};
   const double start = wall_seconds(), cpu_start = processor_seconds();
@@ -91,7 +91,7 @@ double exponent(double cost, double cost_before, double ones, double ones_before
   return std::log(cost / cost_before) / std::log(ones / ones_before);
 }
 
-void run(const Options& options) {
+void run_order_scale(const OrderScaleOptions& options) {
   std::string csv =
       "scene,harder,scale,rows,columns,ones,method,runs,runs_per_random,two_nearest,held_karp,order_seconds,"
       "order_cpu_seconds,two_nearest_seconds,held_karp_seconds,peak_bytes,threads,seed\n";
@@ -139,7 +139,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_order_scale(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<OrderScaleOptions>();
   verb.option("--scene", o->scene, "Which scene of Chhugani et al. 2005 the synthetic matrix imitates")
       .one_of({"power-plant", "city"});
   verb.flag("--harder", o->harder, "A variant of it that is less redundant and so harder to order");
@@ -153,7 +153,7 @@ void add_order_scale(const Verb& verb) {
   verb.option("--seed", o->seed, "Seed of the matrix and of the orders");
   verb.option("--csv", o->csv, "File for the table as CSV");
   verb.example("bench order-scale --scene city --scale 0.015625 0.0625 --csv scale.csv");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_order_scale(*o); });
 }
 
 }  // namespace vismat::bench

@@ -27,7 +27,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct OrdersOptions {
   std::filesystem::path out = "out";
   std::string side = "columns";
   std::vector<std::string> methods, files;
@@ -35,10 +35,10 @@ struct Options {
   bool append = false;
 };
 
-constexpr const char* header =
+constexpr const char* orders_header =
     "matrix,side,rows,columns,ones,method,runs,fewer_than_random,bound,gap,seconds_median,seconds_spread,"
     "cpu_seconds,repeats,peak_bytes,seed,threads\n";
-constexpr const char* bounds_header = "matrix,side,step,bound,least_runs,seconds,cpu_seconds\n";
+constexpr const char* orders_bounds_header = "matrix,side,step,bound,least_runs,seconds,cpu_seconds\n";
 
 // One side of a matrix, seen as columns.
 struct Side {
@@ -58,13 +58,13 @@ Side load(const std::string& file, const std::string& side) {
   return result;
 }
 
-struct Measured {
+struct OrderMeasured {
   std::string method;
   double runs, seconds, spread, cpu, repeats, peak;
 };
 
 // The figures, then the order. Nothing where the method lacks what it needs.
-std::vector<double> figures(const Side& side, const std::string& method, const Options& options) {
+std::vector<double> figures(const Side& side, const std::string& method, const OrdersOptions& options) {
   const VisibilityMatrix& matrix = side.data.matrix;
   ReorderingOptions order_options = options.order;
   order_options.column_bounds = side.data.column_bounds;
@@ -94,7 +94,7 @@ std::vector<double> figures(const Side& side, const std::string& method, const O
   }
 }
 
-std::vector<std::string> methods_of(const Side& side, const Options& options) {
+std::vector<std::string> methods_of(const Side& side, const OrdersOptions& options) {
   std::vector<std::string> methods;
   for (const Reordering& method : reorderings()) methods.emplace_back(method.name);
   if (side.data.row_neighbours) methods.emplace_back("neighbours");
@@ -105,11 +105,11 @@ std::vector<std::string> methods_of(const Side& side, const Options& options) {
   return methods;
 }
 
-void add_tables(const Side& side, const Options& options, std::string& csv, std::string& bounds_csv) {
+void add_tables(const Side& side, const OrdersOptions& options, std::string& csv, std::string& bounds_csv) {
   const Shape shape = side.data.matrix.shape();
   std::printf("\n%s, %s: %u rows x %u columns, %ju ones\n", side.matrix_name.c_str(), side.name.c_str(),
               shape.rows, shape.columns, std::uintmax_t{side.data.matrix.ones()});
-  std::vector<Measured> results;
+  std::vector<OrderMeasured> results;
   Permutation best = Permutation::identity(shape.columns);
   double least = static_cast<double>(count_runs(side.data.matrix));
   for (const std::string& method : methods_of(side, options)) {
@@ -138,7 +138,7 @@ void add_tables(const Side& side, const Options& options, std::string& csv, std:
   const double random = mean_runs_of_random(side.data.matrix);
   std::printf("  %-14s %12s %9s %9s %9s %8s %8s %8s\n", "method", "runs", "fewer", "to bound", "seconds",
               "spread", "cpu s", "peak MB");
-  for (const Measured& m : results) {
+  for (const OrderMeasured& m : results) {
     const double fewer = random == 0 ? 0 : 1 - m.runs / random, gap = bound == 0 ? 0 : m.runs / bound - 1;
     std::printf("  %-14s %12.0f %7.1f %% %7.2f %% %9.3f %8.3f %8.3f %8.0f\n", m.method.c_str(), m.runs,
                 100 * fewer, 100 * gap, m.seconds, m.spread, m.cpu, m.peak / 1e6);
@@ -151,10 +151,10 @@ void add_tables(const Side& side, const Options& options, std::string& csv, std:
   std::fflush(stdout);
 }
 
-void run(const Options& options) {
+void run_orders(const OrdersOptions& options) {
   const auto orders = options.out / "orders.csv", bounds = options.out / "orders_bounds.csv";
-  std::string csv = table_begin(orders, header, options.append);
-  std::string bounds_csv = table_begin(bounds, bounds_header, options.append);
+  std::string csv = table_begin(orders, orders_header, options.append);
+  std::string bounds_csv = table_begin(bounds, orders_bounds_header, options.append);
   for (const std::string& file : options.files) {
     add_tables(load(file, options.side), options, csv, bounds_csv);
     write_table(orders, csv);
@@ -165,7 +165,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_orders(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<OrdersOptions>();
   verb.option("--out", o->out, "Folder for orders.csv and orders_bounds.csv");
   verb.option("--side", o->side, "Whether columns or rows are ordered").one_of({"columns", "rows"});
   verb.option("--method", o->methods,
@@ -175,7 +175,7 @@ void add_orders(const Verb& verb) {
   verb.flag("--append", o->append, "Add to the files in the folder");
   verb.option("MATRIX", o->files, "Matrix files").required();
   verb.example("bench orders koth1.bsp.h5 --out out --method exact-tour best");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_orders(*o); });
 }
 
 }  // namespace vismat::bench

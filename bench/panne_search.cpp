@@ -22,7 +22,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct PanneSearchOptions {
   std::vector<std::filesystem::path> matrices;
   std::vector<double> scales;
   double seconds = 60;
@@ -40,7 +40,7 @@ struct Measured {
 };
 
 // Points about 1.15 times as many seconds apart; what they take, to encode and count, is no part of their time.
-std::vector<Measured> search(const VisibilityMatrix& matrix, const Options& options) {
+std::vector<Measured> search(const VisibilityMatrix& matrix, const PanneSearchOptions& options) {
   std::vector<Measured> points;
   double paused = 0, paused_processor = 0, next = 0;
   const double start = wall_seconds(), start_processor = processor_seconds();
@@ -75,7 +75,7 @@ std::vector<Measured> search(const VisibilityMatrix& matrix, const Options& opti
   return points;
 }
 
-void run(const Options& options) {
+void run_panne_search(const PanneSearchOptions& options) {
   std::string csv =
       "matrix,rows,columns,ones,bitmap,seconds,bytes,clusters,symbols,priced_bytes,processor_seconds,peak_"
       "bytes,threads,seed\n";
@@ -110,7 +110,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_panne_search(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<PanneSearchOptions>();
   verb.option("MATRIX", o->matrices, "Matrix files");
   verb.option("--scale", o->scales, "Also synthetic power plants, at these shares of the paper's size")
       .between(1e-4, 1.);
@@ -121,7 +121,7 @@ void add_panne_search(const Verb& verb) {
   verb.option("--seed", o->seed, "Seed of the search and of the power plants");
   verb.option("--csv", o->csv, "File for the curves as CSV, a line for each point");
   verb.example("bench panne-search koth1.bsp.h5 --seconds 20 --csv panne.csv");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_panne_search(*o); });
 }
 
 }  // namespace vismat::bench

@@ -36,7 +36,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct PeerPvsOptions {
   std::vector<std::string> wheres;
   std::uint32_t packets = 16;
   std::size_t examples = 0;
@@ -158,7 +158,7 @@ std::map<std::int32_t, std::pair<Cause, Ray>> look_from(const Level& level, cons
   return seen;
 }
 
-Counts compare(const std::string& where, const Options& options) {
+Counts compare(const std::string& where, const PeerPvsOptions& options) {
   const Level level = read_level(where);
   Counts counts;
   counts.level = level.name;
@@ -216,7 +216,7 @@ std::vector<std::string> levels_in(const std::vector<std::string>& wheres) {
   return levels;
 }
 
-void run(const Options& options) {
+void run_peer_pvs(const PeerPvsOptions& options) {
   const std::vector<std::string> levels = levels_in(options.wheres);
   std::string csv = "level,clusters,listed,rays,inside,slits,others,far,walls\n";
   write_table(options.csv, csv);
@@ -257,7 +257,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_peer_pvs(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<PeerPvsOptions>();
   verb.option("LEVEL", o->wheres, "Quake 3 levels, .pk3 files, or folders of them").required();
   verb.option("--packets", o->packets, "Number of viewpoints in each cluster; 16 rays start from each");
   verb.option("--slit", o->slit,
@@ -267,7 +267,7 @@ void add_peer_pvs(const Verb& verb) {
   verb.threads(o->threads);
   verb.option("--csv", o->csv, "File for the table as CSV");
   verb.example("bench peer-pvs cache/levels --csv peer_pvs.csv");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_peer_pvs(*o); });
 }
 
 }  // namespace vismat::bench

@@ -23,7 +23,7 @@
 namespace vismat::bench {
 namespace {
 
-constexpr std::uint32_t rows = 256, columns = 8192;
+constexpr std::uint32_t copies = 256, width = 8192;
 
 struct Kind {
   const char* name;
@@ -33,7 +33,7 @@ struct Kind {
 
 std::vector<std::uint32_t> where(const std::function<bool(std::uint32_t)>& visible) {
   std::vector<std::uint32_t> ids;
-  for (std::uint32_t c = 0; c < columns; ++c) {
+  for (std::uint32_t c = 0; c < width; ++c) {
     if (visible(c)) ids.push_back(c);
   }
   return ids;
@@ -43,9 +43,9 @@ std::vector<std::uint32_t> where(const std::function<bool(std::uint32_t)>& visib
 std::vector<std::uint32_t> lengths(const std::vector<std::uint32_t>& pattern) {
   std::vector<std::uint32_t> ids;
   std::uint32_t c = 0;
-  for (std::size_t i = 0; c < columns; ++i) {
+  for (std::size_t i = 0; c < width; ++i) {
     const std::uint32_t length = pattern[i % pattern.size()];
-    for (std::uint32_t j = 0; j < length && c < columns; ++j, ++c) {
+    for (std::uint32_t j = 0; j < length && c < width; ++j, ++c) {
       if (i % 2 == 1) ids.push_back(c);
     }
   }
@@ -57,7 +57,7 @@ const std::vector<Kind>& kinds() {
       {"empty", "what a row costs at least", [](std::uint32_t) { return std::vector<std::uint32_t>{}; }},
       {"full", "one run", [](std::uint32_t) { return where([](std::uint32_t) { return true; }); }},
       {"one id at the end", "one long gap",
-       [](std::uint32_t) { return std::vector<std::uint32_t>{columns - 1}; }},
+       [](std::uint32_t) { return std::vector<std::uint32_t>{width - 1}; }},
       {"alternating",
        "nothing but the number 1: one run of ones in the delimiter code, seen through to its end",
        [](std::uint32_t) { return where([](std::uint32_t c) { return c % 2 == 1; }); }},
@@ -90,8 +90,8 @@ void measure(std::string& csv, double seconds) {
               "M ids/s");
   for (const Kind& kind : kinds()) {
     std::vector<std::vector<std::uint32_t>> lists;
-    for (std::uint32_t r = 0; r < rows; ++r) lists.push_back(kind.make(r));
-    const auto matrix = VisibilityMatrix::from_rows(lists, columns);
+    for (std::uint32_t r = 0; r < copies; ++r) lists.push_back(kind.make(r));
+    const auto matrix = VisibilityMatrix::from_rows(lists, width);
     for (const Codec& codec : all_codecs()) {
       if (!codec.rows_alone()) continue;
       const Container container = compress(matrix, codec);
@@ -101,15 +101,15 @@ void measure(std::string& csv, double seconds) {
       const RowReader reader(file, std::span(&codec, 1));
       RowBuffer<std::uint32_t> buffer;
       const Times pass = time_passes({seconds}, [&] {
-        for (std::uint32_t r = 0; r < rows; ++r) reader.ids(r, buffer);
+        for (std::uint32_t r = 0; r < copies; ++r) reader.ids(r, buffer);
       });
-      const double us = 1e6 * pass.median / rows;
-      const double bytes = static_cast<double>(container.encoded.payload.size()) / rows;
-      const double share = bytes / static_cast<double>(row_bytes_of(columns)),
-                   rate = static_cast<double>(matrix.ones()) / rows / us;
+      const double us = 1e6 * pass.median / copies;
+      const double bytes = static_cast<double>(container.encoded.payload.size()) / copies;
+      const double share = bytes / static_cast<double>(row_bytes_of(width)),
+                   rate = static_cast<double>(matrix.ones()) / copies / us;
       std::printf("%-20s %-20s %12.1f %11.3f %11.3f %12.1f\n", kind.name, std::string(codec.name).c_str(),
                   bytes, share, us, rate);
-      csv += csv_line(csv_quoted(kind.name), csv_quoted(kind.why), matrix.ones() / rows, codec.name, bytes,
+      csv += csv_line(csv_quoted(kind.name), csv_quoted(kind.why), matrix.ones() / copies, codec.name, bytes,
                       share, us);
     }
   }

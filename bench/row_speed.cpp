@@ -216,7 +216,7 @@ void register_form(const Codec& codec, const VisibilityMatrix& matrix, bool cold
   });
 }
 
-void run(const VisibilityMatrix& matrix) {
+void run_row_speed(const VisibilityMatrix& matrix) {
   std::vector<Codec> codecs = all_codecs();
   std::erase_if(codecs, [](const Codec& codec) { return !codec.rows_alone(); });
   for (const Codec& codec : codecs) {
@@ -244,7 +244,7 @@ void add_row_speed(const Verb& verb) {
     const std::string first[] = {"--benchmark_repetitions=7", "--benchmark_report_aggregates_only=true"};
     arguments.insert(arguments.begin(), std::begin(first), std::end(first));
     start_google_benchmark(std::move(arguments), "bench row-speed [MATRIX]");
-    run(file->empty() ? differences_like_the_papers() : read_dataset(*file).matrix);
+    run_row_speed(file->empty() ? differences_like_the_papers() : read_dataset(*file).matrix);
   });
 }
 

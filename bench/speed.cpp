@@ -44,7 +44,7 @@ void register_codec(const Codec& codec, const Dataset& data) {
   })->Unit(benchmark::kMillisecond);
 }
 
-void run(Dataset data) {
+void run_speed(Dataset data) {
   if (data.source.tree && !data.source.columns_are_nodes) data = over_nodes(data);
   const std::vector<Codec> codecs = all_codecs();
   for (const Codec& codec : codecs) {
@@ -72,7 +72,7 @@ void add_speed(const Verb& verb) {
   verb.example("bench speed koth1.bsp.h5 --benchmark_filter=decode");
   verb.runs_with_rest([file](const std::vector<std::string>& arguments) {
     start_google_benchmark(arguments, "bench speed MATRIX");
-    run(read_dataset(*file));
+    run_speed(read_dataset(*file));
   });
 }
 

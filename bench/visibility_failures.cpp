@@ -27,7 +27,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct VisibilityFailuresOptions {
   std::filesystem::path out = ".";
   std::uint32_t places = 4, each = 2;
   std::vector<std::string> only;
@@ -35,7 +35,7 @@ struct Options {
 
 class Failures {
  public:
-  explicit Failures(const Options& options) : options_(options) {}
+  explicit Failures(const VisibilityFailuresOptions& options) : options_(options) {}
 
   std::vector<ViewCells> places(const ViewCells& cells) const {
     return places_of(cells, options_.places, options_.each);
@@ -72,7 +72,7 @@ class Failures {
   std::uint64_t wrong() const { return wrong_; }
 
  private:
-  Options options_;
+  VisibilityFailuresOptions options_;
   std::string csv_ = std::string("study,value,") + Study::header;
   std::uint64_t wrong_ = 0;
 };
@@ -197,7 +197,7 @@ std::vector<ViewCells> one_cell(const Box& box) {
 }
 const Box middle_cell{{-1, -1, -1}, {1, 1, 1}};
 
-void walls(Failures& failures) {
+void walls_apart(Failures& failures) {
   const auto with_found = [&](const char* what, const std::string& value, Scene scene,
                               const Box& cell = middle_cell) {
     add_targets(scene);
@@ -294,7 +294,7 @@ glm::dvec3 nearest(const glm::dvec3& p, const std::array<glm::dvec3, 3>& t) {
 
 /// How far the original's vertices are from the level that is drawn for the cell, in pixels, from viewpoints of the cell: to
 /// the nearest point of the level, so not less than the least that could be seen.
-std::uint64_t detail(const Options& options) {
+std::uint64_t detail(const VisibilityFailuresOptions& options) {
   DenseCityOptions city_options;
   city_options.size = 6;
   const SceneFile city = make_dense_city(city_options);
@@ -351,12 +351,12 @@ std::uint64_t detail(const Options& options) {
   return wrong;
 }
 
-void run(const Options& options) {
+void run_visibility_failures(const VisibilityFailuresOptions& options) {
   const auto wanted = [&](const char* name) {
     return options.only.empty() || std::ranges::find(options.only, name) != options.only.end();
   };
   Failures failures(options);
-  if (wanted("walls")) walls(failures);
+  if (wanted("walls")) walls_apart(failures);
   if (wanted("far")) far_away(failures);
   if (wanted("triangles")) triangle_sizes(failures);
   if (wanted("sizes")) sizes(failures);
@@ -367,7 +367,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_visibility_failures(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<VisibilityFailuresOptions>();
   verb.option("--out", o->out, "Folder for the tables");
   verb.option("--places", o->places, "Number of places, spread over a city").between(1u, 1000u);
   verb.option("--cells", o->each, "Number of view cells at each place").between(1u, 1000u);
@@ -375,7 +375,7 @@ void add_visibility_failures(const Verb& verb) {
       .comma_separated()
       .one_of({"walls", "far", "triangles", "sizes", "detail"});
   verb.example("bench visibility-failures --only walls,far --out out");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_visibility_failures(*o); });
 }
 
 }  // namespace vismat::bench

@@ -25,7 +25,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct VisibilityTablesOptions {
   std::vector<std::string> scenes;
   std::filesystem::path csv;
   std::uint32_t places = 4, each = 4;
@@ -124,7 +124,7 @@ void add_rays(Study& study, const Shadows& shadows, double preparing_ms, bool lo
   }
 }
 
-void run(const Options& options) {
+void run_visibility_tables(const VisibilityTablesOptions& options) {
   std::string csv = table_begin(options.csv, Study::header, options.append);
   std::uint64_t wrong = 0;
   for (const std::string& name : options.scenes) {
@@ -147,7 +147,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_visibility_tables(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<VisibilityTablesOptions>();
   verb.option("SCENE", o->scenes, "Scenes: dense-city, box-city, plant, soup, tilted-boxes, or scene files")
       .required();
   verb.option("--csv", o->csv, "File for the table as CSV");
@@ -156,7 +156,7 @@ void add_visibility_tables(const Verb& verb) {
   verb.option("--cells", o->each, "Number of view cells at each place").between(1u, 1000u);
   verb.flag("--long", o->long_runs, "Also with 2000 patches of the view cell's surface, which takes long");
   verb.example("bench visibility-tables dense-city --places 2 --cells 2 --csv tables.csv");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_visibility_tables(*o); });
 }
 
 }  // namespace vismat::bench

@@ -38,7 +38,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct VlodTablesOptions {
   std::vector<std::filesystem::path> files;
   std::vector<double> scales;
   std::vector<std::string> orders = {"random", "printed", "best"};
@@ -127,7 +127,7 @@ void print(const std::string& code, double bitmask, double pairs, double bytes, 
   std::fflush(stdout);
 }
 
-void measure(const Subject& subject, const Options& options, std::string& csv) {
+void measure(const Subject& subject, const VlodTablesOptions& options, std::string& csv) {
   for (const std::string& order : options.orders) {
     const VisibilityMatrix matrix = permute(subject.lists, Permutation::identity(subject.lists.shape().rows),
                                             order_of(subject.lists, order));
@@ -173,7 +173,7 @@ void measure(const Subject& subject, const Options& options, std::string& csv) {
   }
 }
 
-void run(const Options& options) {
+void run_vlod_tables(const VlodTablesOptions& options) {
   std::string csv =
       "matrix,rows,columns,ones,differences,order,runs,bitmask_bytes,code,bytes,encode_us,decode_us,decode_"
       "us_least,decode_us_most\n";
@@ -189,7 +189,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_vlod_tables(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<VlodTablesOptions>();
   verb.option("MATRIX", o->files, "Matrices of differences, as vismat deltas writes them");
   verb.option("--scale", o->scales, "Also the synthetic power plant, at these shares of the paper's size")
       .comma_separated()
@@ -203,7 +203,7 @@ void add_vlod_tables(const Verb& verb) {
   verb.option("--seconds", o->seconds, "Seconds spent on each time that is measured");
   verb.option("--csv", o->csv, "File for the tables as CSV");
   verb.example("bench vlod-tables differences.bsp.h5 --orders best --csv codes.csv");
-  verb.runs([o] { run(*o); });
+  verb.runs([o] { run_vlod_tables(*o); });
 }
 
 }  // namespace vismat::bench

@@ -33,7 +33,7 @@
 namespace vismat::bench {
 namespace {
 
-struct Options {
+struct WalkDeltasOptions {
   std::vector<std::string> inputs, codecs;
   std::string order = "best";
   std::uint32_t steps = 5000;
@@ -94,7 +94,8 @@ void print(const std::string& what, std::vector<std::uint64_t> numbers) {
               100 * static_cast<double>(small) / count);
 }
 
-void run(const Options& options, const std::string& where, std::span<const Codec> codecs, std::string& csv) {
+void run_walk_deltas(const WalkDeltasOptions& options, const std::string& where,
+                     std::span<const Codec> codecs, std::string& csv) {
   const Place place = read_place(where);
   const auto way = walk_cells(place.passages, place.cell_boxes, options.steps, options.seed);
   Deltas deltas = deltas_of(place.cells, place.passages);
@@ -140,7 +141,7 @@ void run(const Options& options, const std::string& where, std::span<const Codec
 }  // namespace
 
 void add_walk_deltas(const Verb& verb) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<WalkDeltasOptions>();
   verb.option("PLACE", o->inputs, "Levels, FILE.bsp or FILE.pk3:maps/NAME.bsp, or matrix files").required();
   verb.option("--codec", o->codecs,
               "Codecs, named as in 'vismat encode'; all that read single rows if none is named");
@@ -154,7 +155,7 @@ void add_walk_deltas(const Verb& verb) {
     std::string csv = "matrix,order,step,cell,appears,vanishes,runs";
     for (const Codec& codec : codecs) csv += "," + std::string(codec.name);
     csv += "\n";
-    for (const std::string& input : o->inputs) run(*o, input, codecs, csv);
+    for (const std::string& input : o->inputs) run_walk_deltas(*o, input, codecs, csv);
     write_table(o->csv, csv);
   });
 }

@@ -18,7 +18,7 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct CellsArguments {
   std::string scene, output;
   CellsWords cells;
   float resize = 1;
@@ -30,7 +30,7 @@ struct Arguments {
 /// The number of triangles of the objects that rays find from each view cell, which is a lower bound: all of them, or those that are
 /// drawn if there are levels of detail. Keeps references to its arguments.
 VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const LevelsOfDetail* drawn,
-                               const Arguments& arguments) {
+                               const CellsArguments& arguments) {
   return [&, drawn, level = 0](const ViewCells& cells) mutable {
     std::vector<std::uint32_t> everything(scene.object_count);
     std::iota(everything.begin(), everything.end(), 0u);
@@ -54,7 +54,7 @@ VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const 
   };
 }
 
-void run(const Arguments& arguments) {
+void run_cells(const CellsArguments& arguments) {
   if (!(arguments.resize > 0 && arguments.resize <= 1000)) {
     throw std::invalid_argument("--resize must be above 0 and at most 1000");
   }
@@ -108,7 +108,7 @@ void add_cells_options(const Verb& verb, CellsWords& words) {
 }
 
 void add_cells(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CellsArguments>();
   const Verb verb = program.verb("cells", "Make view cells for a scene, wherever a viewer can be");
   verb.option("SCENE", arguments->scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
       .required();
@@ -124,7 +124,7 @@ void add_cells(Program& program) {
   verb.threads(arguments->threads);
   verb.output(arguments->output, "The scene file to write (.scene.h5)");
   verb.example("vismat cells city.scene.h5 --cells grid:4,4,1.5 --region 0,0,1,640,640,2.5 -o grid.scene.h5");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_cells(*arguments); });
 }
 
 }  // namespace vismat::cli

@@ -10,12 +10,12 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct CityArguments {
   CityOptions options;
   std::string output;
 };
 
-void run(const Arguments& arguments) {
+void run_city(const CityArguments& arguments) {
   const SceneFile city = make_city(arguments.options);
   write_scene(arguments.output, city);
   std::printf("%s: %u boxes, %u tree nodes, %u view cells\n", arguments.output.c_str(),
@@ -25,7 +25,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_city(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CityArguments>();
   CityOptions& o = arguments->options;
   const Verb verb =
       program.verb("city", "Make a city of boxes: a scene file with objects, their quadtree and view cells");
@@ -46,7 +46,7 @@ void add_city(Program& program) {
   verb.example(
       "vismat city --size 32 -o city32.scene.h5 && vismat see city32.scene.h5 --producer climbing -o "
       "city32.bsp.h5");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_city(*arguments); });
 }
 
 }  // namespace vismat::cli

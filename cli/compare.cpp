@@ -31,7 +31,7 @@
 namespace vismat::cli {
 namespace {
 
-struct Options {
+struct CompareOptions {
   std::vector<std::filesystem::path> files;
   std::vector<std::string> orders = {"natural"}, codecs;
   bool distinct = false;
@@ -182,7 +182,7 @@ std::string line_of(const Subject& s, const Codec& codec, const Figures& f) {
                   text(f.row_p50_us), text(f.row_p99_us));
 }
 
-void run(const Options& options) {
+void run_compare(const CompareOptions& options) {
   const auto codecs = chosen_codecs(options.codecs);
   std::string csv =
       "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,"
@@ -208,7 +208,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_compare(Program& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CompareOptions>();
   const Verb verb = program.verb(
       "compare", "Measure every codec on every matrix: the compressed size and the decoding speed");
   verb.option("MATRIX", options->files, "The matrix files (.bsp.h5 or .mtx)").required();
@@ -229,7 +229,7 @@ void add_compare(Program& program) {
       "A round trip checks each codec first. Codecs over a tree of columns need a matrix with such a tree; "
       "those over a tree of rows need one with row boxes or with such a tree.");
   verb.example("vismat compare koth1.bsp.h5 --orders natural,best --csv koth1.csv");
-  verb.runs([options] { run(*options); });
+  verb.runs([options] { run_compare(*options); });
 }
 
 }  // namespace vismat::cli

@@ -12,12 +12,12 @@
 namespace vismat::cli {
 namespace {
 
-struct Options {
+struct DecodeOptions {
   std::filesystem::path in, out, boxes;
   bool as_stored = false;
 };
 
-void run(const Options& options) {
+void run_decode(const DecodeOptions& options) {
   Dataset boxes;
   if (!options.boxes.empty()) boxes = read_dataset(options.boxes);
   Dataset data = read_vmat_of_any_version(options.in, {nullptr, boxes.row_bounds, boxes.column_bounds});
@@ -30,7 +30,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_decode(Program& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DecodeOptions>();
   const Verb verb = program.verb("decode", "Restore the matrix of a .vmat file, in the order of its source");
   verb.option("FILE", options->in, "The .vmat file to read, of version 4 or 3").required();
   verb.output(options->out, "The matrix file to write (.bsp.h5 or .mtx)");
@@ -39,7 +39,7 @@ void add_decode(Program& program) {
               "A matrix file whose rows and columns have the boxes that the .vmat file was encoded with, in "
               "the order of the .vmat file");
   verb.example("vismat decode city32.vmat -o city32.mtx");
-  verb.runs([options] { run(*options); });
+  verb.runs([options] { run_decode(*options); });
 }
 
 }  // namespace vismat::cli

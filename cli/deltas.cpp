@@ -20,7 +20,7 @@
 namespace vismat::cli {
 namespace {
 
-struct Options {
+struct DeltasOptions {
   std::filesystem::path in, out;
   std::string neighbours = "auto";
   bool undo = false;
@@ -95,7 +95,7 @@ Dataset with_rows(const Dataset& of, VisibilityMatrix matrix) {
   return result;
 }
 
-void make(const Options& options) {
+void make(const DeltasOptions& options) {
   if (options.out.extension() == ".mtx") {
     throw std::invalid_argument(options.out.string() +
                                 ": Matrix Market has no place for the boundaries; write .bsp.h5");
@@ -120,7 +120,7 @@ void make(const Options& options) {
   print(deltas, cells.matrix);
 }
 
-void undo(const Options& options) {
+void undo(const DeltasOptions& options) {
   Dataset deltas = read_dataset(options.in);
   Dataset cells;
   try {
@@ -138,7 +138,7 @@ void undo(const Options& options) {
 }  // namespace
 
 void add_deltas(Program& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DeltasOptions>();
   const Verb verb =
       program.verb("deltas", "Turn a matrix into the differences between neighbouring view cells, or back");
   verb.option("MATRIX", options->in,

@@ -10,12 +10,12 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct DenseCityArguments {
   DenseCityOptions options;
   std::string output;
 };
 
-void run(const Arguments& arguments) {
+void run_dense_city(const DenseCityArguments& arguments) {
   const SceneFile city = make_dense_city(arguments.options);
   write_scene(arguments.output, city);
   std::printf("%s: %zu triangles in %u objects, %u view cells\n", arguments.output.c_str(),
@@ -25,7 +25,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_dense_city(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DenseCityArguments>();
   DenseCityOptions& o = arguments->options;
   const Verb verb = program.verb(
       "dense-city",
@@ -49,7 +49,7 @@ void add_dense_city(Program& program) {
   verb.option("--seed", o.seed, "Another seed makes another city");
   verb.output(arguments->output, "The scene file to write (.scene.h5)");
   verb.example("vismat dense-city --size 8 -o dense8.scene.h5 && vismat info dense8.scene.h5");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_dense_city(*arguments); });
 }
 
 }  // namespace vismat::cli

@@ -21,13 +21,14 @@
 namespace vismat::cli {
 namespace {
 
-struct Options {
+struct EncodeArguments {
   std::filesystem::path in, out;
   std::string codec = "delimiter", order = "greedy";
   EncodeOptions encode;
 };
 
-void print_sizes(const Options& options, const Container& container, std::span<const std::byte> file) {
+void print_sizes(const EncodeArguments& options, const Container& container,
+                 std::span<const std::byte> file) {
   const std::size_t payload = container.encoded.payload.size(), index = container.encoded.index.size();
   const std::uint64_t bitmap = bitmap_size(container.shape);
   std::printf("%s: %zu bytes of payload, %.2fx smaller than the bitmap's %llu", options.out.c_str(), payload,
@@ -48,7 +49,7 @@ void print_sizes(const Options& options, const Container& container, std::span<c
   std::printf("\n");
 }
 
-void run(Options options) {
+void run_encode(EncodeArguments options) {
   const Codec& codec = find_codec(options.codec);
   if (options.encode.seconds > 0 && !codec.searches)
     throw std::invalid_argument("--seconds is for codecs that search; '" + options.codec + "' does not");
@@ -84,7 +85,7 @@ std::string codec_names() {
 }  // namespace
 
 void add_encode(Program& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EncodeArguments>();
   const Verb verb = program.verb("encode", "Compress a matrix into a .vmat file");
   verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
   verb.output(options->out, "The .vmat file to write");
@@ -105,7 +106,7 @@ void add_encode(Program& program) {
   verb.threads(options->encode.threads);
   verb.option("--seed", options->encode.seed, "Random seed of the codecs that search");
   verb.example("vismat encode city32.bsp.h5 --codec zach3-range -o city32.vmat");
-  verb.runs([options] { run(*options); });
+  verb.runs([options] { run_encode(*options); });
 }
 
 }  // namespace vismat::cli

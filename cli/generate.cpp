@@ -13,14 +13,14 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct GenerateArguments {
   std::string scene, output;
   double scale = 1. / 64;
   bool harder = false;
   std::uint64_t seed = 1;
 };
 
-void run(const Arguments& arguments) {
+void run_generate(const GenerateArguments& arguments) {
   DeltaSceneOptions scene = arguments.scene == "city" ? city_scene(arguments.scale, arguments.harder)
                                                       : power_plant_scene(arguments.scale, arguments.harder);
   scene.seed = arguments.seed;
@@ -40,7 +40,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_generate(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<GenerateArguments>();
   const Verb verb = program.verb(
       "generate", "Make a random matrix of differences like those of Chhugani et al. 2005, without a scene");
   verb.option("MODEL", arguments->scene,
@@ -57,7 +57,7 @@ void add_generate(Program& program) {
       "1 makes the sizes of Chhugani et al. 2005: 350,000 x 400,000 (5.2e8 ones, which takes 4.2 GB of "
       "memory) and 700,000 x 790,000 (1.0e9 ones, 8 GB).");
   verb.example("vismat generate power-plant --scale 0.0625 -o power-plant.bsp.h5");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_generate(*arguments); });
 }
 
 }  // namespace vismat::cli

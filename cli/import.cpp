@@ -14,7 +14,7 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct ImportArguments {
   std::string level, output, scene, matrix = "cells", tree = "bounds";
   bool nodes = false;
 };
@@ -24,7 +24,7 @@ const std::map<std::string, LevelMatrix> matrices = {{"cells", LevelMatrix::cell
 const std::map<std::string, LevelTree> trees = {
     {"none", LevelTree::none}, {"bounds", LevelTree::bounds}, {"level", LevelTree::level}};
 
-void write_faces(const Level& level, const Arguments& arguments) {
+void write_faces(const Level& level, const ImportArguments& arguments) {
   if (level.face_ids.empty()) {
     throw std::invalid_argument(arguments.level + ": a " + level.format +
                                 " level without faces has no scene to write");
@@ -37,7 +37,7 @@ void write_faces(const Level& level, const Arguments& arguments) {
   write_scene(arguments.scene, file);
 }
 
-void run(const Arguments& arguments) {
+void run_import(const ImportArguments& arguments) {
   if (arguments.nodes && arguments.tree == "none") {
     throw std::invalid_argument("--nodes needs a tree: --tree bounds or --tree level");
   }
@@ -57,7 +57,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_import(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ImportArguments>();
   const Verb verb = program.verb("import", "Read a level of Quake 3 or Doom: what its view cells see");
   verb.option("LEVEL", arguments->level, "The level").required();
   verb.output(arguments->output, "The matrix file to write (.bsp.h5 or .mtx)");
@@ -76,7 +76,7 @@ void add_import(Program& program) {
       "LEVEL is FILE.bsp, FILE.pk3:maps/NAME.bsp or FILE.wad:MAP; 'vismat info FILE' lists the levels of a "
       "file.");
   verb.example("vismat import pak1-maps.pk3:maps/oa_koth1.bsp -o koth1.bsp.h5 --matrix faces --tree level");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_import(*arguments); });
 }
 
 }  // namespace vismat::cli

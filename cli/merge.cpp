@@ -21,7 +21,7 @@
 namespace vismat::cli {
 namespace {
 
-struct Options {
+struct MergeOptions {
   std::filesystem::path in, out;
   std::string side = "cells", method = "pairs";
   double lost = 0.05, max_per_cell = 1;
@@ -31,7 +31,7 @@ struct Options {
   bool expand = false;
 };
 
-void merge(const Options& options) {
+void merge(const MergeOptions& options) {
   const Grouping& grouping = find_grouping(options.method);
   if (options.out.extension() == ".mtx") {
     throw std::invalid_argument(options.out.string() +
@@ -77,7 +77,7 @@ void merge(const Options& options) {
   if (nodes && !data.source.columns_are_nodes) line("tree", "left out, because its nodes were merged");
 }
 
-void expand(const Options& options) {
+void expand(const MergeOptions& options) {
   Dataset data = read_dataset(options.in);
   if (!data.source.row_groups && !data.source.column_groups)
     throw std::invalid_argument(options.in.string() + ": nothing in it was merged");
@@ -87,7 +87,7 @@ void expand(const Options& options) {
 }  // namespace
 
 void add_merge(Program& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MergeOptions>();
   const Verb verb =
       program.verb("merge", "Merge similar view cells or objects; everything visible stays visible");
   verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();

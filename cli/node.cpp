@@ -15,13 +15,13 @@
 namespace vismat::cli {
 namespace {
 
-struct Options {
+struct NodeOptions {
   std::filesystem::path in;
   std::uint32_t node = 0;
   bool ids = false;
 };
 
-void print_node(const Container& container, const Options& options) {
+void print_node(const Container& container, const NodeOptions& options) {
   const Codec& codec = find_codec(container.codec);
   const bool over_rows = codec.needs.tree == TreeOver::rows;
   const ObjectTree* const tree = tree_for(codec, container.source);
@@ -47,7 +47,7 @@ void print_node(const Container& container, const Options& options) {
 }  // namespace
 
 void add_node(Program& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<NodeOptions>();
   const Verb verb =
       program.verb("node", "Decode the children of one tree node of a .vmat file without the rest");
   verb.option("FILE", options->in, "A .vmat file of a codec over a tree").required();

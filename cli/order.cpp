@@ -24,7 +24,7 @@
 namespace vismat::cli {
 namespace {
 
-struct Options {
+struct OrderOptions {
   std::filesystem::path in, out, json;
   std::string columns = "identity", rows = "identity";
   std::string bound = "quick";
@@ -46,7 +46,7 @@ struct Result {
 };
 
 Result order_side(const VisibilityMatrix& matrix, const std::string& method, const Dataset& data, bool rows,
-                  const Options& options) {
+                  const OrderOptions& options) {
   const double start = wall_seconds();
   Result result;
   if (method == "neighbours") {
@@ -90,7 +90,7 @@ Need memory_needed(const VisibilityMatrix& m, const std::string& method) {
 }
 
 // As order_side, with the transpose in a file beside the output and the matrix given up meanwhile.
-Result order_out_of_core(Dataset& data, const Options& options, std::uint64_t needed) {
+Result order_out_of_core(Dataset& data, const OrderOptions& options, std::uint64_t needed) {
   const double start = wall_seconds();
   Result result;
   result.runs_before = count_runs(data.matrix);
@@ -137,7 +137,7 @@ nlohmann::json report(const Result& r) {
   return json;
 }
 
-void run(const Options& options) {
+void run_order(const OrderOptions& options) {
   Dataset data = read_dataset(options.in);
   const Shape shape = data.matrix.shape();
   if (options.columns == "identity" && options.rows == "identity") {
@@ -196,7 +196,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_order(Program& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<OrderOptions>();
   options->order.stages = show_progress;
   const Verb verb = program.verb("order", "Reorder rows and columns so that similar ones are neighbours");
   verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
@@ -225,7 +225,7 @@ void add_order(Program& program) {
     methods += "\n  " + std::string(method.name) + ": " + std::string(method.idea);
   verb.note("Methods:" + methods + "\n\n");
   verb.example("vismat order koth1.bsp.h5 --columns best --rows best -o ordered.bsp.h5");
-  verb.runs([options] { run(*options); });
+  verb.runs([options] { run_order(*options); });
 }
 
 }  // namespace vismat::cli

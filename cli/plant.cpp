@@ -10,13 +10,13 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct PlantArguments {
   PlantOptions options;
   unsigned threads = 0;
   std::string output;
 };
 
-void run(const Arguments& arguments) {
+void run_plant(const PlantArguments& arguments) {
   const SceneFile plant = make_plant(arguments.options, arguments.threads);
   write_scene(arguments.output, plant);
   std::printf("%s: %zu triangles in %u objects, %u view cells\n", arguments.output.c_str(),
@@ -26,7 +26,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_plant(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlantArguments>();
   PlantOptions& o = arguments->options;
   const Verb verb = program.verb(
       "plant", "Make a chemical plant of tens of thousands of pipes and tanks, with view cells all over it");
@@ -41,7 +41,7 @@ void add_plant(Program& program) {
   verb.threads(arguments->threads);
   verb.output(arguments->output, "The scene file to write (.scene.h5)");
   verb.example("vismat plant --size 4 -o plant4.scene.h5 && vismat info plant4.scene.h5");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_plant(*arguments); });
 }
 
 }  // namespace vismat::cli

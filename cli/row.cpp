@@ -17,13 +17,13 @@
 namespace vismat::cli {
 namespace {
 
-struct Options {
+struct RowOptions {
   std::filesystem::path in;
   std::uint32_t row = 0;
   bool as_stored = false, runs = false;
 };
 
-void run(const Options& options) {
+void run_row(const RowOptions& options) {
   const RowReader reader(options.in, all_codecs());
   const Shape shape = reader.shape();
   SourceMap source = reader.source();
@@ -69,7 +69,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_row(Program& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RowOptions>();
   const Verb verb = program.verb("row", "Decode one row of a .vmat file without the rest");
   verb.option("FILE", options->in, "A .vmat file of a codec that decodes single rows").required();
   verb.option("ROW", options->row, "The number of the row; 0 is the first").required();
@@ -78,7 +78,7 @@ void add_row(Program& program) {
   verb.flag("--runs", options->runs,
             "Print one line for each run of column numbers, the first and the last, not one for each number");
   verb.example("vismat row city32.vmat 17");
-  verb.runs([options] { run(*options); });
+  verb.runs([options] { run_row(*options); });
 }
 
 }  // namespace vismat::cli

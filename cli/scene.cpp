@@ -12,12 +12,12 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct SceneArguments {
   std::string input, output, objects, up = "z";
   AnySceneOptions options;
 };
 
-void run(Arguments arguments) {
+void run_scene(SceneArguments arguments) {
   using Objects = AnySceneOptions::Objects;
   static const std::map<std::string, Objects> objects = {{"components", Objects::components},
                                                          {"one-a-triangle", Objects::triangles},
@@ -44,7 +44,7 @@ void run(Arguments arguments) {
 }  // namespace
 
 void add_scene(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SceneArguments>();
   AnySceneOptions& o = arguments->options;
   const Verb verb = program.verb("scene", "Make a scene file from a mesh, a level or another scene file");
   verb.option("INPUT", arguments->input, "The file that holds the triangles").required();
@@ -61,7 +61,7 @@ void add_scene(Program& program) {
       "INPUT is a mesh (.obj, .ply, .off, .stl), a Quake 3 level (FILE.bsp, FILE.pk3:maps/NAME.bsp) or a "
       ".scene.h5.");
   verb.example("vismat scene station.obj --scale 0.01 --up y -o station.scene.h5");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_scene(*arguments); });
 }
 
 }  // namespace vismat::cli

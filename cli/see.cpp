@@ -23,7 +23,7 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct SeeArguments {
   std::string scene, output, seen, producer = "sandwich";
   CellsWords cells;
   ProducerOptions options;
@@ -31,7 +31,7 @@ struct Arguments {
 };
 
 /// Throws std::invalid_argument if the producer has no use for an option that is given.
-void check_options(const Arguments& arguments, const Producer& producer) {
+void check_options(const SeeArguments& arguments, const Producer& producer) {
   check_taken(producer, arguments.options);
   if (arguments.seen.empty() || producer.seen_too) return;
   const std::string name(producer.name);
@@ -91,7 +91,7 @@ std::uint32_t checksum_of(const SceneFile& file) {
 
 struct Output {
   Dataset all;  // all but the matrix
-  const Arguments& arguments;
+  const SeeArguments& arguments;
 
   void write(const std::string& path, const VisibilityMatrix& matrix, Guarantee guarantee,
              const Sight& sight) const {
@@ -157,7 +157,7 @@ void print_search(const Sight& sight) {
       objects == 0 ? 0.0 : 100 * static_cast<double>(missed_objects) / static_cast<double>(objects));
 }
 
-void run(const Arguments& arguments) {
+void run_see(const SeeArguments& arguments) {
   const auto runner = make_job_runner(arguments.options.threads);
   const Producer& producer = producer_named(arguments.producer);
   check_options(arguments, producer);
@@ -196,7 +196,7 @@ void run(const Arguments& arguments) {
 }
 
 /// Adds --producer, and an option for everything that producers take.
-void add_producers(const Verb& verb, Arguments& arguments) {
+void add_producers(const Verb& verb, SeeArguments& arguments) {
   std::vector<std::string> names;
   for (const Producer& producer : producers()) names.emplace_back(producer.name);
   verb.option("--producer", arguments.producer, "Method; see below").one_of(names);
@@ -224,8 +224,8 @@ std::string ideas() {
 }  // namespace
 
 void add_see(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
-  Arguments& a = *arguments;
+  const auto arguments = std::make_shared<SeeArguments>();
+  SeeArguments& a = *arguments;
   const Verb verb = program.verb("see", "Find which objects are visible from each view cell of a scene");
   verb.option("SCENE", a.scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
       .required();
@@ -241,7 +241,7 @@ void add_see(Program& program) {
             "A run that was killed continues where it was; 'mpirun -n K vismat see ...' shares the work.");
   verb.example(
       "vismat see station.obj --cells grid:4 --eyes 1.5,1.8 -o station.bsp.h5 --seen station.seen.bsp.h5");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_see(*arguments); });
 }
 
 }  // namespace vismat::cli

@@ -14,13 +14,13 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct TreeArguments {
   std::string input, output, side = "columns", by = "boxes";
   std::optional<unsigned> arity;
   bool nodes = false;
 };
 
-ObjectTree tree_over_columns(const Dataset& dataset, const Arguments& arguments) {
+ObjectTree tree_over_columns(const Dataset& dataset, const TreeArguments& arguments) {
   if (dataset.source.columns_are_nodes) {
     throw std::invalid_argument(arguments.input + ": its columns are the nodes of a tree already");
   }
@@ -31,7 +31,7 @@ ObjectTree tree_over_columns(const Dataset& dataset, const Arguments& arguments)
   return bounding_volume_tree(dataset.column_bounds, arguments.arity.value_or(4));
 }
 
-ObjectTree tree_over_rows(const Dataset& dataset, const Arguments& arguments) {
+ObjectTree tree_over_rows(const Dataset& dataset, const TreeArguments& arguments) {
   if (!dataset.source.boundaries.empty()) {
     throw std::invalid_argument(
         arguments.input + ": holds differences; restore the view cells with 'vismat deltas --undo' first");
@@ -50,7 +50,7 @@ ObjectTree tree_over_rows(const Dataset& dataset, const Arguments& arguments) {
   return bounding_volume_tree(dataset.row_bounds, arguments.arity.value_or(2));
 }
 
-void run(const Arguments& arguments) {
+void run_tree(const TreeArguments& arguments) {
   Dataset dataset = read_dataset(arguments.input);
   const bool rows = arguments.side == "rows";
   auto& tree = rows ? dataset.source.row_tree : dataset.source.tree;
@@ -65,7 +65,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_tree(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<TreeArguments>();
   const Verb verb = program.verb("tree", "Build a tree over a matrix's columns or rows");
   verb.option("IN", arguments->input, "The matrix file to read").required();
   verb.output(arguments->output, "The matrix file to write (.bsp.h5)");
@@ -84,7 +84,7 @@ void add_tree(Program& program) {
       "columns; the gotsman codecs need a binary tree over the rows.");
   verb.example("vismat tree koth1.bsp.h5 -o koth1.nodes.bsp.h5 --nodes");
   verb.example("vismat tree koth1.bsp.h5 -o koth1.rows.bsp.h5 --side rows --by sets");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_tree(*arguments); });
 }
 
 }  // namespace vismat::cli

@@ -19,7 +19,7 @@
 namespace vismat::cli {
 namespace {
 
-struct Arguments {
+struct TrianglesArguments {
   std::string scene, matrix, table;
   Screen screen;
   unsigned threads = 0;
@@ -40,7 +40,7 @@ std::string spread(const std::vector<Counts>& cells, std::uint64_t Counts::*what
          ", most " + grouped(values.back());
 }
 
-void run(const Arguments& arguments) {
+void run_triangles(const TrianglesArguments& arguments) {
   const SceneFile file = read_any_scene(arguments.scene).file;
   const Dataset dataset = read_dataset(arguments.matrix);
   const Shape shape = dataset.matrix.shape(), right = {file.cells.count(), file.scene.object_count};
@@ -84,7 +84,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_triangles(Program& program) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<TrianglesArguments>();
   const Verb verb = program.verb(
       "triangles", "Count the triangles that are drawn from each view cell, with levels of detail");
   verb.option("SCENE", arguments->scene, "The scene file (.scene.h5)").required();
@@ -101,7 +101,7 @@ void add_triangles(Program& program) {
       "from anywhere in the view cell. Groups of triangles that face away from the whole view cell are not "
       "counted [Chhugani et al. 2005, sections 4 and 5].");
   verb.example("vismat triangles dense8.scene.h5 dense8.bsp.h5 --width 1280 --height 1024");
-  verb.runs([arguments] { run(*arguments); });
+  verb.runs([arguments] { run_triangles(*arguments); });
 }
 
 }  // namespace vismat::cli

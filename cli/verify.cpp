@@ -21,13 +21,13 @@ namespace vismat::cli {
 
 namespace {
 
-struct Options {
+struct VerifyOptions {
   std::filesystem::path matrix, original;
   std::string scene;
   AuditOptions audit;
 };
 
-void against_original(const Options& options) {
+void against_original(const VerifyOptions& options) {
   const Dataset lossy = in_source_numbers(read_any_matrix(options.matrix)),
                 original = in_source_numbers(read_any_matrix(options.original));
   Loss loss;
@@ -52,7 +52,7 @@ void print_side(const char* what, const Audit::Side& side) {
               grouped(side.checked - side.confirmed).c_str());
 }
 
-void against_scene(const Options& options) {
+void against_scene(const VerifyOptions& options) {
   Dataset dataset = read_any_matrix(options.matrix);
   if (dataset.source.row_order || dataset.source.column_order || dataset.source.row_groups ||
       dataset.source.column_groups) {
@@ -80,7 +80,7 @@ void against_scene(const Options& options) {
   }
 }
 
-void run(const Options& options) {
+void run_verify(const VerifyOptions& options) {
   if (!options.scene.empty()) {
     against_scene(options);
   } else if (!options.original.empty()) {
@@ -93,7 +93,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_verify(Program& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<VerifyOptions>();
   const Verb verb = program.verb("verify",
                                  "Prove that a merged matrix hides nothing visible, or check a matrix "
                                  "against its scene in exact arithmetic");
@@ -116,7 +116,7 @@ void add_verify(Program& program) {
       "Otherwise it is 1, and the first entry that failed is named.");
   verb.example("vismat verify merged.bsp.h5 city.bsp.h5");
   verb.example("vismat verify city.bsp.h5 --witness city.scene.h5");
-  verb.runs([options] { run(*options); });
+  verb.runs([options] { run_verify(*options); });
 }
 
 }  // namespace vismat::cli

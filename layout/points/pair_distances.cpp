@@ -13,11 +13,11 @@
 namespace vismat {
 namespace {
 
-constexpr std::uint32_t most = std::numeric_limits<Distance16>::max();
+constexpr std::uint32_t greatest_distance = std::numeric_limits<Distance16>::max();
 constexpr std::uint32_t strip = 8;  // points a task
 
 Distance16 cut(std::uint32_t distance) {
-  return static_cast<Distance16>(std::min(distance, most));
+  return static_cast<Distance16>(std::min(distance, greatest_distance));
 }
 
 void rows_from_bits(const BitRows& bits, const PairDistances::Take& take, unsigned threads) {
@@ -103,7 +103,7 @@ void PairDistances::make_rows(const Take& take, unsigned threads) const {
   }
   std::uint32_t heaviest = 0;
   for (std::uint32_t p = 0; p < size(); ++p) heaviest = std::max(heaviest, points_.weight(p));
-  if (heaviest <= most)
+  if (heaviest <= greatest_distance)
     rows_from_index<std::uint16_t>(points_, first_of_row_, points_of_row_, take, threads);
   else
     rows_from_index<std::uint32_t>(points_, first_of_row_, points_of_row_, take, threads);

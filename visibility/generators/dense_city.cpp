@@ -22,7 +22,7 @@ namespace vismat {
 namespace {
 
 constexpr float pavement = 1;
-constexpr float storey = 3, slab = 0.3f, wall = 0.3f, door = 1.2f, sill = 0.9f, lintel = 2.1f;
+constexpr float storey = 3, slab = 0.3f, wall_depth = 0.3f, door = 1.2f, sill = 0.9f, lintel = 2.1f;
 const glm::vec3 up(0, 0, 1);
 
 void check(const DenseCityOptions& o) {
@@ -221,9 +221,9 @@ void add_house(Square& s, Box b) {
   std::array<std::array<float, 2>, 2> opening{};  // [axis][room]: middles of doors and windows
   std::array<float, 2> partition{};
   for (unsigned axis = 0; axis < 2; ++axis) {
-    partition[axis] = (b.low[axis] + b.high[axis] - wall) / 2;
-    const std::array<float, 4> sides = {b.low[axis] + wall, partition[axis], partition[axis] + wall,
-                                        b.high[axis] - wall};
+    partition[axis] = (b.low[axis] + b.high[axis] - wall_depth) / 2;
+    const std::array<float, 4> sides = {b.low[axis] + wall_depth, partition[axis],
+                                        partition[axis] + wall_depth, b.high[axis] - wall_depth};
     cuts[axis].insert(cuts[axis].end(), sides.begin(), sides.end());
     for (unsigned room = 0; room < 2; ++room) {
       opening[axis][room] = (sides[2 * room] + sides[2 * room + 1]) / 2;
@@ -262,9 +262,9 @@ void add_house(Square& s, Box b) {
           hole.high[2] = floor + lintel;
           house.set(hole, false);
         };
-        open(partition[axis], partition[axis] + wall, 0);
-        open(b.low[axis], b.low[axis] + wall, k == 0 && room == 0 ? 0 : sill);
-        open(b.high[axis] - wall, b.high[axis], sill);
+        open(partition[axis], partition[axis] + wall_depth, 0);
+        open(b.low[axis], b.low[axis] + wall_depth, k == 0 && room == 0 ? 0 : sill);
+        open(b.high[axis] - wall_depth, b.high[axis], sill);
       }
     }
   }

@@ -41,12 +41,12 @@ struct Seg {
 struct Subsector {
   std::uint16_t segs, first;
 };
-struct Node {
+struct DoomNode {
   std::int16_t line[4], boxes[8];
   std::array<std::uint16_t, 2> children;  // right, left; the highest bit marks a subsector
 };
 static_assert(sizeof(Linedef) == 14 && sizeof(Sidedef) == 30 && sizeof(Vertex) == 4 && sizeof(Sector) == 26 &&
-              sizeof(Seg) == 12 && sizeof(Subsector) == 4 && sizeof(Node) == 28);
+              sizeof(Seg) == 12 && sizeof(Subsector) == 4 && sizeof(DoomNode) == 28);
 
 struct DirectoryEntry {
   std::int32_t offset, length;
@@ -66,7 +66,7 @@ std::string upper(std::string_view text) {
   return result;
 }
 
-std::vector<Lump> read_directory(std::span<const std::byte> wad) {
+std::vector<Lump> read_wad_directory(std::span<const std::byte> wad) {
   ByteReader header(wad, "WAD header");
   const auto magic = header.number<std::array<char, 4>>();
   if (const std::string_view kind(magic.data(), 4); kind != "IWAD" && kind != "PWAD") {
@@ -243,7 +243,7 @@ ObjectTree read_tree(const MapLumps& lumps, std::span<const LineSectors> sectors
   const auto segs = lumps.records<Seg>("SEGS");
   const auto subsectors = lumps.records<Subsector>("SSECTORS");
   std::vector<BspChildren> nodes;
-  for (const Node& node : lumps.records<Node>("NODES")) {
+  for (const DoomNode& node : lumps.records<DoomNode>("NODES")) {
     const auto child = [](std::uint16_t c) -> std::int32_t {
       return c & 0x8000 ? ~std::int32_t{c & 0x7fff} : c;
     };
@@ -267,7 +267,7 @@ ObjectTree read_tree(const MapLumps& lumps, std::span<const LineSectors> sectors
 }  // namespace
 
 std::vector<WadMap> doom_maps(std::span<const std::byte> wad) {
-  const auto lumps = read_directory(wad);
+  const auto lumps = read_wad_directory(wad);
   std::vector<WadMap> maps;
   for (std::size_t i = 0; i < lumps.size(); ++i) {
     if (!begins_map(lumps, i)) continue;
@@ -279,7 +279,7 @@ std::vector<WadMap> doom_maps(std::span<const std::byte> wad) {
 
 Level parse_doom_map(std::span<const std::byte> wad, std::string_view map) {
   const std::string name = upper(map);
-  const auto directory = read_directory(wad);
+  const auto directory = read_wad_directory(wad);
   std::size_t marker = directory.size();
   std::string there;  // the first few, for the message
   std::size_t maps = 0;
