@@ -3,10 +3,10 @@
 //
 // Times are those of one list; items are numbers. Every list that is decoded is checked, by the sum of its numbers, in the
 // time that is shown.
-//   warm   32 lists, which fit the first cache, over and over: the processor learns their branches by heart
-//   many   1024 lists, which fit the second cache: it does not
-//   cold   copies of 2048 lists, 96 MB of them, in random order; read/cold sums their bytes in the same order, what memory
-//          alone takes
+//   warm   32 lists, which fit the L1 cache, over and over: the branch predictor learns them
+//   many   1024 lists, which fit the L2 cache: it does not
+//   cold   copies of 2048 lists, 96 MB of them, in random order; read/cold only sums their bytes in the same order,
+//          which is the cost of memory alone
 // by-table is the decoder for machines without fast bit extraction, plain the pass bit by bit.
 // ratio: decoder and plain pass in turn on the 1024; `times` is how many times faster the former is.
 #include <benchmark/benchmark.h>

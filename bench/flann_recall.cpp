@@ -2,7 +2,7 @@
 //
 // The columns are planted in groups of 25 on average. Each column is its group's centre, a random column of the given density,
 // with every tenth one moved to another row. Equal columns count once, so sparse columns in few rows are fewer than asked for.
-// Recall: of the k found, the share that is no farther than the k-th nearest. Times are of one thread, in processor
+// Recall is the share of the k columns found that are no farther than the true k-th nearest. Times are of one thread, in processor
 // seconds.
 #include <algorithm>
 #include <cmath>

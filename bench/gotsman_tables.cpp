@@ -197,7 +197,8 @@ void add_gotsman_tables(const Verb& verb) {
   verb.option("--csv", o->csv, "File for the table as CSV");
   verb.option("--orders", o->orders, "Orders of the columns").comma_separated().one_of({"natural", "best"});
   verb.option("--seconds", o->seconds,
-              "Seconds for each time: passes begin for this long, and their median counts");
+              "Seconds for each measurement: passes are repeated until this time is over, and the median "
+              "time of a pass is reported");
   verb.option("MATRIX", o->files, "Matrix files").required();
   verb.example("bench gotsman-tables koth1.bsp.h5 --orders best --csv gotsman.csv");
   verb.runs([o] { run_gotsman_tables(*o); });

@@ -1,5 +1,5 @@
 // Measures how long importing every level takes: unpacking, parsing, making both matrices and a tree of bounding boxes over each, and
-// writing the files, two levels at a time. Verified first: oa_koth1 must have its known sizes.
+// writing the files, two levels at a time. Before it measures, it checks that oa_koth1 has its known sizes.
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// Measures bytes against extra visible entries: what merging view cells, objects or both leaves of a matrix, and what codecs make
+// Measures bytes against added entries: what merging view cells, objects or both leaves of a matrix, and what codecs make
 // of it.
 //
 // Matrices over nodes of a tree: the methods of Zach & Karner 2003 after their greedy order of the merged view cells, their Table 3.

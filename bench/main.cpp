@@ -28,7 +28,7 @@ constexpr Entry entries[] = {
      add_vlod_tables},
     {"Codecs", "panne-search", "Van de Panne and Stewart's search for clusters: bytes against seconds",
      add_panne_search},
-    {"Codecs", "lossy-tables", "Bytes against extra visible entries: merged view cells and objects, coded",
+    {"Codecs", "lossy-tables", "Bytes against added entries: merged view cells and objects, coded",
      add_lossy_tables},
     {"Codecs", "lossy-failures", "Where merging fails: on adversarial matrices and on given ones",
      add_lossy_failures},

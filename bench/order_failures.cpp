@@ -4,8 +4,8 @@
 //   failures_shapes.csv   every order on small synthetic matrices, by study and its parameter: structureless
 //                         random matrices by density; near-duplicates by bits flipped in each copy; random rows
 //                         before the others; planted block orders by noise; zero and full columns; one row, one
-//                         column. `planted` is the runs of the order that it was made in, `random` the mean of all
-//                         orders.
+//                         column. `planted` is the number of runs in the order in which the matrix was made, before its
+//                         columns were shuffled, `random` the mean of all orders.
 //   failures_samples.csv  sampled-tour by sample size and k, beside exact-tour and the bound
 //   failures_seeds.csv    the spread of seeded orders over their seeds
 //   failures_recall.csv   nearby_points against brute force: share of the k nearest found

@@ -1,6 +1,6 @@
 // Measures what single rows out of a .vmat file cost, with Google Benchmark.
 //
-// Each codec that gives rows alone, in each form, warm and cold. Rows come in shuffled order into one buffer, and every
+// It times every row codec in each output form (ids, runs, bits), with warm and with cold caches. Rows come in shuffled order into one buffer, and every
 // row's content is checked within the timed loop (its sum against the row's). Warm: one file, read over and over. Cold:
 // copies of it, three times the last-level cache (at most 768 MB), so that a row comes from memory, its index too. The times are
 // the median and the spread of 7 repetitions. open/...: a file of 100 MB in the page cache is mapped, and asked for a row's place

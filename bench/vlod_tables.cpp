@@ -195,7 +195,7 @@ void add_vlod_tables(const Verb& verb) {
       .comma_separated()
       .between(1e-4, 1.);
   verb.option("--orders", o->orders,
-              "Orders of the columns; printed: the method as the paper prints it, section 6.1; best: ours")
+              "Orders of the columns; printed: the published method (sampled-tour), section 6.1; best: ours")
       .one_of({"random", "printed", "best"})
       .comma_separated();
   verb.option("--codes", o->codes, "Codecs that read single rows, named as in 'vismat encode'")

@@ -220,8 +220,10 @@ void add_compare(Program& program) {
       .comma_separated();
   verb.flag("--distinct", options->distinct,
             "Keep one of each set of equal columns; which are equal counts as part of the order's size");
-  verb.option("--seconds", options->seconds,
-              "Time for each figure: passes begin for this long, and their median counts");
+  verb.option(
+      "--seconds", options->seconds,
+      "Seconds for each measurement: passes are repeated until this time is over, and the median time of "
+      "a pass is reported");
   verb.option("--csv", options->csv, "Also write the figures as a table (.csv)");
   verb.note(
       "Sizes are those of the payload, the index and the model's sections. Codecs that decode single rows "

@@ -35,9 +35,10 @@ void add_decode(Program& program) {
   verb.option("FILE", options->in, "The .vmat file to read, of version 4 or 3").required();
   verb.output(options->out, "The matrix file to write (.bsp.h5 or .mtx)");
   verb.flag("--as-stored", options->as_stored, "Leave rows and columns in the order of the .vmat file");
-  verb.option("--boxes", options->boxes,
-              "A matrix file whose rows and columns have the boxes that the .vmat file was encoded with, in "
-              "the order of the .vmat file");
+  verb.option(
+      "--boxes", options->boxes,
+      "For codecs that code against bounding boxes, which none of ours does yet: a matrix file whose rows "
+      "and columns have the boxes that the .vmat file was encoded with, in the order of the .vmat file");
   verb.example("vismat decode city32.vmat -o city32.mtx");
   verb.runs([options] { run_decode(*options); });
 }

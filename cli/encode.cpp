@@ -91,9 +91,8 @@ void add_encode(Program& program) {
   verb.output(options->out, "The .vmat file to write");
   verb.option("--codec", options->codec, "One of " + codec_names());
   verb.option("--rows", options->order,
-              "The order of the rows for zach3 and zach4: greedy (made anew, in place of the file's own "
-              "order) or "
-              "natural (as in the matrix file). Other codecs keep the file's order")
+              "zach3 and zach4 reorder the rows by the greedy method, even if the file was ordered before; "
+              "natural keeps the order of the file, as every other codec does")
       .one_of({"greedy", "natural"});
   verb.option("--seconds", options->encode.seconds,
               "Time that codecs which search (panne) spend; the result then depends on the machine. 0: until "
@@ -101,8 +100,8 @@ void add_encode(Program& program) {
       .not_negative();
   verb.option(
       "--effort", options->encode.effort,
-      "For codecs with a choice of effort (gotsman3-context): 0 to 2; each learns from four times as much "
-      "as the one before");
+      "0 to 2: how much of the matrix the context model of gotsman3-context learns from; each step takes "
+      "four times as much, is slower and gives smaller files");
   verb.threads(options->encode.threads);
   verb.option("--seed", options->encode.seed, "Random seed of the codecs that search");
   verb.example("vismat encode city32.bsp.h5 --codec zach3-range -o city32.vmat");

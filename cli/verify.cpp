@@ -101,8 +101,10 @@ void add_verify(Program& program) {
   const Option original = verb.option("ORIGINAL", options->original,
                                       "Its source, the matrix that was merged (.bsp.h5, .mtx or .vmat)");
   const Option scene =
-      verb.option("--witness", options->scene,
-                  "Check entries against this scene file, by sight lines and occluders, in exact arithmetic")
+      verb.option(
+              "--witness", options->scene,
+              "Check entries against this scene file, by sight lines and occluders, in exact arithmetic; the "
+              "matrix must have objects as columns (vismat see --objects)")
           .excludes(original);
   verb.option("--samples", options->audit.entries,
               "Number of entries to check among those said to be seen, and among those said to be hidden")
@@ -115,7 +117,9 @@ void add_verify(Program& program) {
       "The exit code is 0 if every visible entry is still there, or every checked entry is confirmed. "
       "Otherwise it is 1, and the first entry that failed is named.");
   verb.example("vismat verify merged.bsp.h5 city.bsp.h5");
-  verb.example("vismat verify city.bsp.h5 --witness city.scene.h5");
+  verb.example(
+      "vismat see city.scene.h5 --objects -o objects.bsp.h5 && vismat verify objects.bsp.h5 --witness "
+      "city.scene.h5");
   verb.runs([options] { run_verify(*options); });
 }
 

@@ -41,7 +41,7 @@ constexpr std::array<Reordering, 12> table = {{
        return order_rows_greedily(transpose(m), begin_stage(o.stages, "greedy order"));
      }},
     {"exact-tour",
-     "a tour from the zero point (an added column without ones), always to the nearest unvisited column",
+     "the same from the zero point (an added column without ones); sampled-tour approximates it",
      [](const VisibilityMatrix& m, const ReorderingOptions&) { return order_by_exact_tour(m); }},
     {"sampled-tour",
      "a tour to the nearest of a random sample, improved by edge flips [Chhugani et al. 2005]",

@@ -114,6 +114,7 @@ Option Option::size_in_bytes() const {
 
 Option Option::comma_separated() const {
   option_->delimiter(',')->allow_extra_args(false);
+  option_->type_name("A,B,...");
   return *this;
 }
 

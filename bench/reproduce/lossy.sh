@@ -1,5 +1,5 @@
 #!/bin/bash
-# lossy       merged view cells and objects, clusters and subsets: bytes against extra visible entries; Table 3 of Zach and Karner 2003
+# lossy       merged view cells and objects, clusters and subsets: bytes against added entries; Table 3 of Zach and Karner 2003
 . "$(dirname "$0")/shared.sh"
 
 make_matrix() { matrix "$1" >/dev/null; }
@@ -54,7 +54,7 @@ steps() {
     matrices+=(ctf_inyard.cells ctf_compromise.faces oa_thor.cells)
   fi
   for name in "${artificial[@]}"; do step "view cells of $name" make_matrix "$name"; done
-  for name in $(present "${artificial[@]}" "${nodes[@]}" "${matrices[@]}"); do step "bytes against extra visible entries: $name" curves "$name"; done
+  for name in $(present "${artificial[@]}" "${nodes[@]}" "${matrices[@]}"); do step "bytes against added entries: $name" curves "$name"; done
   if [ -n "$full" ]; then
     for name in $(every_package); do step "5 % lost: every level of $name" every_level_of "$name"; done
   fi

@@ -12,7 +12,7 @@ NOT_DRAWN = {"delimiter", "xz", "zach3-range", "zach4-range"}  # beside another 
 
 
 def draw_curves(results, columns=3, matrices=None):
-    """Bytes, including the maps of rows and columns, against the extra visible entries; a panel for each matrix."""
+    """Bytes, including the maps of rows and columns, against the added entries; a panel for each matrix."""
     matrices = matrices or results.matrices
     figure, all_axes = panels(len(matrices), columns, 4.9, 3.9)
     curves = results.curves[(results.curves.method == "pairs") & (results.curves.max_per_cell == 1)]
@@ -35,7 +35,7 @@ def draw_curves(results, columns=3, matrices=None):
         axes.axhline(best / 2, color=RED, linewidth=.9, linestyle=":")
         axes.set_xscale("symlog", linthresh=2, linscale=.6)
         axes.set_yscale("log")
-        axes.set(xlabel="extra visible entries, % of the visible ones", ylabel="kB with maps", xticks=[0, 1, 2, 5, 10, 20, 50, 100])
+        axes.set(xlabel="added entries, % of the visible ones", ylabel="kB with maps", xticks=[0, 1, 2, 5, 10, 20, 50, 100])
         axes.set_xlim(-.15, max(100, 110 * curves[curves.matrix == matrix].added_share.max()))
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_locator(plt.NullLocator())
@@ -135,7 +135,7 @@ def draw_broken(results):
         for place, row in zip(places, group.itertuples()):
             if not pd.isna(row.added_share):
                 trees.text(100 * row.added_share + .3, place, f"{row.violations:,.0f} nodes without their parent", va="center", fontsize=7)
-    trees.set(yticks=numpy.arange(len(ways))[::-1], xlabel="extra visible entries of the nodes, % of the visible ones")
+    trees.set(yticks=numpy.arange(len(ways))[::-1], xlabel="added entries of the nodes, % of the visible ones")
     trees.set_yticklabels([way.replace("; ", ";\n") for way in ways], fontsize=8)
     trees.set_xlim(0, 145 * of.added_share.max())
     trees.set_ylim(-1.1, len(ways) - .4)
@@ -193,7 +193,7 @@ def draw_search(results):
 
 
 CHARTS = {
-    "lossy_curves": ("Bytes against extra visible entries, with a panel for each matrix. The large mark on each line is at 5 % lost occlusions, as in Table 3", draw_curves, ("curves",)),
+    "lossy_curves": ("Bytes against added entries, with a panel for each matrix. The large mark on each line is at 5 % lost occlusions, as in Table 3", draw_curves, ("curves",)),
     "lossy_spread": ("Left: twenty random seeds of the paper's grouping. Right: what 5 % lost occlusions save where no rows are alike", draw_spread, ("seeds", "random")),
     "lossy_cells": ("How the loss is spread over the view cells. Above: the loss of each view cell. Below: bytes under a bound on the loss of any one view cell", draw_cells, ("cells", "quantiles")),
     "lossy_broken": ("Left: dense rows among others. Right: trees whose nodes, objects or view cells are merged", draw_broken, ("dense", "trees")),

@@ -127,7 +127,7 @@ def table_of_every_level(results):
 
 
 def table_at_extra(results, shares=(.01, .02, .05, .1, .2)):
-    """For several shares of extra visible entries: the bytes of the smallest codec, with maps, as a share of the smallest lossless ones.
+    """For several shares of added entries: the bytes of the smallest codec, with maps, as a share of the smallest lossless ones.
     Between the points of a curve the logarithm of its bytes is interpolated."""
     rows = []
     curves = results.curves[(results.curves.method == "pairs") & (results.curves.max_per_cell == 1)]
@@ -141,7 +141,7 @@ def table_at_extra(results, shares=(.01, .02, .05, .1, .2)):
 
 
 def table_of_loss(results):
-    """The extra visible entries of each merge and how they are spread over the cells: a line for each matrix, side and loss."""
+    """The added entries of each merge and how they are spread over the cells: a line for each matrix, side and loss."""
     rows = []
     curves = results.curves[(results.curves.method != "none") & (results.curves.max_per_cell == 1)]
     for (matrix, method, side, lost), group in curves.groupby(["matrix", "method", "side", "lost"], sort=False):

@@ -1,4 +1,4 @@
-// What the numbers that tell a table of clusters cost to code.
+// The estimated cost, in bits, of each kind of number in a coded table of clusters.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,5 @@
-// The search for clusters: which lists share a subset and which symbols join (panne_table.h), in rounds.
+// Searches for clusters: in each round it finds subsets that several lists have in common, and replaces them by a cluster where
+// that makes the coded size smaller.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,4 +1,4 @@
-// Triangulates the ground, by constrained Delaunay triangles of polygons in the plan, and finds which triangles meet.
+// Triangulates the ground, by constrained Delaunay triangulation of polygons in the xy-plane, and finds which triangles touch.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Finds the boxes that meet a given box, by square bins of the plan.
+// Finds the boxes that overlap a given box, with a uniform grid over the ground plan (the xy-plane).
 #pragma once
 #include <algorithm>
 #include <array>

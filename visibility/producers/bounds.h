@@ -1,4 +1,4 @@
-// Bounds on what each view cell of a scene sees: what shadows prove hidden and, if asked for, what rays prove seen.
+// Lower and upper bounds of the visible set of each view cell: what shadows leave, and, if asked for, what rays prove seen.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -1,4 +1,4 @@
-// The producer "climbing": rays that climb over roofs, for cities of boxes.
+// The producer "climbing": rays that search the skyline of a city of boxes.
 //
 // ALGORITHM. A sight line that leaves a view cell crosses its surface, and of all points on that line the one
 // where it enters the cell sees farthest over a roof. So viewpoints are placed on the edges of cells, and
@@ -413,7 +413,8 @@ Producer climbing_producer() {
   Producer producer;
   producer.name = "climbing";
   producer.idea =
-      "rays that climb over roofs, for cities of boxes whose view cells are triangles of the ground";
+      "rays that search the skyline, each steeper than the one before, for cities of boxes whose view "
+      "cells are triangles of the ground";
   producer.guarantee = Guarantee::aggressive;
   producer.options = {&O::directions, &O::viewpoints, &O::passes, &O::enough, &O::seed};
   producer.describe = describe;
