@@ -14,8 +14,9 @@ inline constexpr bool sanitized = false;
 #endif
 
 /// How many trials of `count` are made; one at least.
-constexpr int trials(int count) {
-  return sanitized ? std::max(1, count / 5) : count;
+template <typename Count>
+constexpr Count trials(Count count) {
+  return sanitized ? std::max(Count{1}, count / 5) : count;
 }
 
 }  // namespace vismat::test

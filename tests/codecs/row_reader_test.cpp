@@ -121,7 +121,7 @@ TEST_P(EveryRowCodec, TouchesNoOtherBlock) {
 }
 
 TEST_P(EveryRowCodec, ServesThreadsFromOneOpenFile) {
-  constexpr std::uint32_t rows = test::trials(2000);
+  constexpr std::uint32_t rows = test::trials(2000u);
   const auto matrix = test::clustered_matrix({rows, 700}, 24);
   const auto file = file_of(matrix, GetParam());
   const RowReader reader(file, std::span(&GetParam(), 1));

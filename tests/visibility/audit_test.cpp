@@ -77,7 +77,7 @@ TEST(Audit, Occluders) {
   dataset.matrix = town().sight.not_hidden;
   dataset.guarantee = Guarantee::conservative;
   AuditOptions some;
-  some.entries = static_cast<std::uint32_t>(test::trials(200));
+  some.entries = test::trials(200u);
   Audit found = audited(dataset, some);
   EXPECT_EQ(found.seen.checked, 0u);
   EXPECT_EQ(found.hidden.checked, some.entries);
@@ -87,7 +87,7 @@ TEST(Audit, Occluders) {
   dataset.matrix = VisibilityMatrix::from_rows(
       std::vector<std::vector<std::uint32_t>>(dataset.matrix.shape().rows), dataset.matrix.shape().columns);
   AuditOptions options;
-  options.entries = static_cast<std::uint32_t>(test::trials(40)), options.patches = 10;
+  options.entries = test::trials(40u), options.patches = 10;
   found = audited(dataset, options);
   EXPECT_LT(found.hidden.confirmed, options.entries);
   EXPECT_TRUE(found.hidden.first_not_confirmed);

@@ -335,7 +335,7 @@ TEST(Shadow, NeverHidesWhatARaySees) {
       }
     }
   }
-  EXPECT_GT(hidden, 50u * test::trials(10));
+  EXPECT_GT(hidden, 50 * test::trials(10u));
 }
 
 TEST(Shadow, TellsWhatHides) {
