@@ -1,11 +1,11 @@
 #!/bin/bash
 # run.sh PROGRAM KEPT_INPUTS FINDS: runs a libFuzzer program from a copy of its kept inputs, so that the checkout stays as it is.
-# Decoders run for FUZZ_RUNS inputs (200000), readers of matrix, scene and level files for FUZZ_SECONDS (8). A find is kept in FINDS.
+# Decoders run for FUZZ_RUNS inputs (200000), readers of matrix, scene and level files for FUZZ_SECONDS (4). A find is kept in FINDS.
 set -euo pipefail
 program=$1 kept=$2 finds=$3 name=$(basename "$1")
 case $name in
   fuzz_codec_payload | fuzz_container | fuzz_delimiter) limit=-runs=${FUZZ_RUNS:-200000} ;;
-  *) limit=-max_total_time=${FUZZ_SECONDS:-8} ;;
+  *) limit=-max_total_time=${FUZZ_SECONDS:-4} ;;
 esac
 corpus=$(mktemp -d)
 trap 'rm -rf "$corpus"' EXIT

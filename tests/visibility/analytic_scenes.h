@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/sanitized.h"
 #include "visibility/scene.h"
 #include "visibility/shadows/occluders.h"
 
@@ -200,12 +201,13 @@ inline std::vector<AnalyticScene> plain_analytic_scenes() {
 }
 
 /// Those, with their axes exchanged so that y leads along each of the three, and, where the coordinates still are what they
-/// were, 1e5 metres away.
+/// were, 1e5 metres away. Under sanitizers only what they were and one far away.
 inline std::vector<AnalyticScene> analytic_scenes() {
   std::vector<AnalyticScene> all;
   for (const AnalyticScene& plain : plain_analytic_scenes()) {
     for (int turns = 0; turns < 3; ++turns) {
       for (const float offset : {0.f, 1e5f}) {
+        if (test::sanitized && (turns == 2 || (turns == 1) != (offset != 0))) continue;
         AnalyticScene s = plain;
         s.name += turns == 0 ? "" : turns == 1 ? ", along z" : ", along x";
         if (offset != 0) s.name += ", far away";

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "matrix/base/random.h"
+#include "tests/sanitized.h"
 
 namespace vismat {
 namespace {
@@ -131,7 +132,7 @@ std::optional<std::string> find_leak(const Scene& scene, std::span<const Occlude
       middle += vertex / static_cast<double>(shape.vertices.size());
     const double margin =
         1e-9 * size + 1e-12 * glm::length(shape.vertices[0]);  // what rounding may be off by
-    for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::uint32_t i = 0; i < test::trials(count); ++i) {
       // A point of the shape, often next to an edge or corner.
       const double sharpness = std::pow(10, 2 * random.fraction());
       glm::dvec3 through{};
