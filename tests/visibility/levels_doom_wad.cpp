@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "matrix/base/byte_reader.h"
 #include "tests/visibility/levels_tiny.h"
 #include "visibility/levels/doom_wad.h"
@@ -56,12 +58,121 @@ TEST(DoomWad, TreeComesFromTheNodes) {
 TEST(DoomWad, ExtendedNodesLeaveNoTree) {
   auto bytes = Doom().bytes();
   const std::size_t nodes = 12 + 10 * 14 + 5 * 30 + 8 * 4 + 3 * 12 + 3 * 4;
-  for (const char* magic : {"xNd4", "XNOD", "ZNOD", "XGLN", "ZGLN"}) {
-    std::memcpy(bytes.data() + nodes, magic, 4);
-    const Level level = parse_doom_map(bytes, "MAP07");
-    EXPECT_EQ(level.cell_tree.size(), 0u);
-    EXPECT_EQ(level.cells.ones(), 7u);
+  for (const char* magic : {"xNd4", "XNOD", "ZNOD", "XGLN", "ZGLN", "XGL2", "ZGL2", "XGL3", "ZGL3"}) {
+    for (const std::size_t at : {nodes, nodes - 3 * 4}) {  // NODES, SSECTORS
+      auto changed = bytes;
+      std::memcpy(changed.data() + at, magic, 4);
+      const Level level = parse_doom_map(changed, "MAP07");
+      EXPECT_EQ(level.cell_tree.size(), 0u);
+      EXPECT_EQ(level.cells.ones(), 7u);
+    }
   }
+}
+
+TEST(DoomWad, ForeignLumpsArePassedOver) {
+  const Level plain = parse_doom_map(Doom().bytes(), "MAP07");
+  for (const char* lump : {"THINGS", "LINEDEFS", "SIDEDEFS", "VERTEXES", "SEGS", "SSECTORS", "NODES",
+                           "SECTORS", "REJECT", "BLOCKMAP"}) {
+    Doom doom;
+    doom.foreign_before = lump;
+    const Level level = parse_doom_map(doom.bytes(), "map07");
+    EXPECT_EQ(level.cells, plain.cells) << lump;
+    EXPECT_EQ(level.cell_tree, plain.cell_tree) << lump;
+    EXPECT_TRUE(level.notes.empty()) << lump;
+    const auto maps = doom_maps(doom.bytes());
+    ASSERT_EQ(maps.size(), 1u) << lump;
+    EXPECT_EQ(maps[0].name, "MAP07");
+    EXPECT_EQ(maps[0].bytes, doom_maps(Doom().bytes())[0].bytes);
+  }
+}
+
+// The lumps of both files, one after the other.
+tiny::Bytes joined(const tiny::Bytes& first, const tiny::Bytes& second) {
+  const auto number = [](const tiny::Bytes& wad, std::size_t at) { return number_at<std::int32_t>(wad, at); };
+  tiny::Bytes bytes, directory;
+  for (const tiny::Bytes* wad : {&first, &second}) {
+    const auto shift = static_cast<std::int32_t>(bytes.size());
+    bytes.insert(bytes.end(), wad->begin(), wad->end());
+    for (std::int32_t i = 0; i < number(*wad, 4); ++i) {
+      const std::size_t entry = static_cast<std::size_t>(number(*wad, 8)) + 16 * static_cast<std::size_t>(i);
+      tiny::put(directory, number(*wad, entry) + shift);
+      directory.insert(directory.end(), wad->begin() + static_cast<std::ptrdiff_t>(entry) + 4,
+                       wad->begin() + static_cast<std::ptrdiff_t>(entry) + 16);
+    }
+  }
+  const auto count = static_cast<std::int32_t>(directory.size() / 16),
+             at = static_cast<std::int32_t>(bytes.size());
+  std::memcpy(bytes.data() + 4, &count, 4);
+  std::memcpy(bytes.data() + 8, &at, 4);
+  bytes.insert(bytes.end(), directory.begin(), directory.end());
+  return bytes;
+}
+
+TEST(DoomWad, AMapEndsWhereTheNextBegins) {
+  Doom first, second;
+  first.left_out = {"REJECT"};
+  for (const char* name : {"MAP08", "ARENA"}) {
+    second.map = name;
+    const auto bytes = joined(first.bytes(), second.bytes());
+    const auto maps = doom_maps(bytes);
+    ASSERT_EQ(maps.size(), 2u);
+    EXPECT_EQ(maps[0].name, "MAP07");
+    EXPECT_EQ(maps[1].name, name);
+    EXPECT_EQ(parse_doom_map(bytes, "MAP07").cells.ones(), 9u) << "not the other's REJECT";
+    EXPECT_EQ(parse_doom_map(bytes, name).cells.ones(), 7u);
+  }
+}
+
+TEST(DoomWad, LowerCaseNamesOfLumps) {
+  auto bytes = Doom().bytes();
+  for (std::size_t at = bytes.size() - 11 * 16; at < bytes.size(); at += 16) {
+    for (std::size_t i = 8; i < 16; ++i) {
+      const auto c = std::to_integer<char>(bytes[at + i]);
+      if (c >= 'A' && c <= 'Z') bytes[at + i] = static_cast<std::byte>(c - 'A' + 'a');
+    }
+  }
+  EXPECT_EQ(parse_doom_map(bytes, "MAP07").cells.ones(), 7u);
+}
+
+TEST(DoomWad, OnlyLumpsThatAreReadMustLieInTheFile) {
+  Doom doom;
+  doom.extra_lump = "DEMO1";
+  for (const char* lump : {"DEMO1", "BLOCKMAP", "THINGS"}) {
+    doom.outside = lump;
+    auto bytes = doom.bytes();
+    EXPECT_EQ(parse_doom_map(bytes, "MAP07").cells.ones(), 7u) << lump;
+  }
+  for (const char* lump :
+       {"LINEDEFS", "SIDEDEFS", "VERTEXES", "SEGS", "SSECTORS", "NODES", "SECTORS", "REJECT"}) {
+    doom.outside = lump;
+    EXPECT_NE(refused(doom).find("(" + std::string(lump) + "): "), std::string::npos) << refused(doom);
+    EXPECT_NE(refused(doom).find("bytes at offset 1000000 lie outside the file of "), std::string::npos);
+  }
+}
+
+TEST(DoomWad, NotesSayWhatRejectLeavesVisible) {
+  Doom doom;
+  const auto notes = [&] { return parse_doom_map(doom.bytes(), "MAP07").notes; };
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(notes(), Lines());
+  doom.reject = {0xff};
+  EXPECT_EQ(notes(),
+            Lines({"MAP07: REJECT has 1 of the 2 bytes that 3 sectors need; pairs past its end count as "
+                   "visible"}));
+  doom.reject = {0, 0};
+  EXPECT_EQ(notes(),
+            Lines({"MAP07: REJECT rejects nothing: every sector counts as visible from every other"}));
+  doom.reject = {0, 0, 0};
+  EXPECT_EQ(notes().size(), 1u) << "a longer lump is as good";
+  const Lines none = {"MAP07 has no REJECT, so every sector counts as visible from every other"};
+  doom.reject = {};
+  EXPECT_EQ(notes(), none);
+  doom.left_out = {"REJECT"};
+  EXPECT_EQ(notes(), none);
+  Level level = parse_doom_map(doom.bytes(), "MAP07");
+  level.name = "x.wad:MAP07";
+  EXPECT_EQ(level_dataset(level, LevelMatrix::cells, LevelTree::none).provenance,
+            "x.wad:MAP07, Doom, " + none[0]);
 }
 
 TEST(DoomWad, DatasetHasNoFaces) {
@@ -125,6 +236,13 @@ TEST(DoomWad, RefusesADirectoryOutsideTheFile) {
   EXPECT_EQ(refused_with(8, -1), "WAD header: a directory of 11 lumps at offset -1" + end);
   EXPECT_EQ(refused_with(4, 0x7fffffff).substr(0, 48), "WAD header: a directory of 2147483647 lumps at o");
   EXPECT_EQ(refused_with(4, -1).substr(0, 40), "WAD header: a directory of -1 lumps at o");
+  auto console = bytes;
+  std::reverse(console.begin() + 4, console.begin() + 8);
+  std::reverse(console.begin() + 8, console.begin() + 12);
+  EXPECT_EQ(
+      refusal([&] { doom_maps(console); }),
+      "WAD header: its numbers have the highest byte first, as on some consoles; only files with the lowest "
+      "byte first are read");
   const std::size_t lines_entry = bytes.size() - 9 * 16;
   EXPECT_EQ(refused_with(lines_entry + 4, 0x7fffffff),
             "WAD directory: lump 2 (LINEDEFS): 2147483647 bytes at offset 12 lie outside the file of " +

@@ -47,6 +47,7 @@ struct Quake {
     std::int32_t shader = 0;
   };
   std::vector<std::array<std::uint32_t, 2>> shaders = {{0, 1}};  // flags: surface, contents
+  std::string shader_name = "textures/base";
   std::array<char, 4> magic = {'I', 'B', 'S', 'P'};
   std::int32_t version = 46, clusters = 3, row_bytes = 8;
   std::string entities = "{}";
@@ -85,7 +86,7 @@ struct Quake {
     put_text(lumps[0], entities, entities.size() + 1);
     lumps[2] = bytes_of(planes);
     for (const auto& [surface, contents] : shaders) {
-      put_text(lumps[1], "textures/base", 64);
+      put_text(lumps[1], shader_name, 64);
       put(lumps[1], surface);
       put(lumps[1], contents);
     }
@@ -171,6 +172,8 @@ struct Doom {
   std::vector<std::array<std::uint16_t, 2>> nodes = {{0x8000, 0x8001}, {0, 0x8002}};
   std::vector<std::string> left_out;  // lumps
   std::string extra_lump;             // after BLOCKMAP
+  std::string foreign_before;         // a lump of a few bytes stands before the lump of this name
+  std::string outside;                // this lump's bytes lie outside the file
 
   std::vector<std::pair<std::string, Bytes>> lumps() const {
     std::vector<std::pair<std::string, Bytes>> all = {{map, {}}, {"THINGS", {}}};
@@ -226,7 +229,13 @@ struct Doom {
       bool skip = false;
       for (const std::string& out : left_out) skip = skip || out == name;
       if (skip) continue;
-      put(directory, static_cast<std::int32_t>(12 + body.size()));
+      if (name == foreign_before) {
+        put(directory, static_cast<std::int32_t>(12));
+        put(directory, std::int32_t{7});
+        put_text(directory, "CWILV00", 8);
+        ++count;
+      }
+      put(directory, name == outside ? std::int32_t{1000000} : static_cast<std::int32_t>(12 + body.size()));
       put(directory, static_cast<std::int32_t>(lump.size()));
       put_text(directory, name, 8);
       body.insert(body.end(), lump.begin(), lump.end());
@@ -253,6 +262,7 @@ struct ZipMember {
   Bytes bytes;
   bool deflated = false;
   std::int64_t claimed_size = -1;  // uncompressed; -1: the true one
+  bool encrypted = false;          // says so; its bytes stay as they are
 };
 inline Bytes zip(const std::vector<ZipMember>& members) {
   Bytes file, directory;
@@ -276,7 +286,7 @@ inline Bytes zip(const std::vector<ZipMember>& members) {
     const auto size =
         static_cast<std::uint32_t>(member.claimed_size < 0 ? member.bytes.size() : member.claimed_size);
     const auto common = [&](Bytes& out) {  // what the local header and the directory's entry share
-      for (const int field : {20, 0, member.deflated ? 8 : 0, 0, 33})
+      for (const int field : {20, member.encrypted ? 1 : 0, member.deflated ? 8 : 0, 0, 33})
         put(out, static_cast<std::uint16_t>(field));
       put(out, crc);
       put(out, static_cast<std::uint32_t>(data.size()));
@@ -306,5 +316,4 @@ inline Bytes zip(const std::vector<ZipMember>& members) {
   return file;
 }
 
-/// The message of what `work` throws; empty if it throws nothing.
 }  // namespace vismat::tiny

@@ -56,6 +56,7 @@ struct DirectoryEntry {
 struct Lump {
   std::string name;
   std::span<const std::byte> bytes;
+  std::string damage;  // why it cannot be read; its bytes are then empty
 };
 
 std::string upper(std::string_view text) {
@@ -73,8 +74,14 @@ std::vector<Lump> read_wad_directory(std::span<const std::byte> wad) {
     throw FormatError("WAD header: does not begin with IWAD or PWAD");
   }
   const auto count = header.number<std::int32_t>(), offset = header.number<std::int32_t>();
-  const std::int64_t end = offset + std::int64_t{count} * static_cast<std::int64_t>(sizeof(DirectoryEntry));
-  if (count < 0 || offset < 0 || end > static_cast<std::int64_t>(wad.size())) {
+  const auto fits = [&](std::int64_t lumps, std::int64_t at) {
+    return lumps >= 0 && at >= 0 &&
+           at + lumps * static_cast<std::int64_t>(sizeof(DirectoryEntry)) <=
+               static_cast<std::int64_t>(wad.size());
+  };
+  if (!fits(count, offset)) {
+    if (fits(with_bytes_reversed(count), with_bytes_reversed(offset)))
+      throw FormatError("WAD header: " + big_endian);
     throw FormatError("WAD header: a directory of " + std::to_string(count) + " lumps at offset " +
                       std::to_string(offset) + " lies outside the file of " + std::to_string(wad.size()) +
                       " bytes");
@@ -83,44 +90,79 @@ std::vector<Lump> read_wad_directory(std::span<const std::byte> wad) {
   for (const auto& entry : read_records<DirectoryEntry>(
            wad.subspan(static_cast<std::size_t>(offset), count * sizeof(DirectoryEntry)), "WAD directory")) {
     const std::string name = upper(std::string_view(entry.name, ::strnlen(entry.name, sizeof entry.name)));
-    // Markers have no bytes, and tools leave any offset with them.
-    if (entry.length != 0 &&
-        (entry.offset < 0 || entry.length < 0 ||
-         std::int64_t{entry.offset} + entry.length > static_cast<std::int64_t>(wad.size()))) {
-      throw FormatError("WAD directory: lump " + std::to_string(lumps.size()) + " (" + name + "): " +
-                        std::to_string(entry.length) + " bytes at offset " + std::to_string(entry.offset) +
-                        " lie outside the file of " + std::to_string(wad.size()) + " bytes");
+    Lump lump{name, {}, ""};
+    const std::int64_t lump_end = std::int64_t{entry.offset} + entry.length;
+    if (entry.length == 0) {  // a marker: tools leave any offset with it
+    } else if (entry.offset < 0 || entry.length < 0 || lump_end > static_cast<std::int64_t>(wad.size())) {
+      lump.damage = "WAD directory: lump " + std::to_string(lumps.size()) + " (" + name +
+                    "): " + std::to_string(entry.length) + " bytes at offset " +
+                    std::to_string(entry.offset) + " lie outside the file of " + std::to_string(wad.size()) +
+                    " bytes";
+    } else {
+      lump.bytes =
+          wad.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.length));
     }
-    lumps.push_back({name, entry.length == 0 ? std::span<const std::byte>()
-                                             : wad.subspan(static_cast<std::size_t>(entry.offset),
-                                                           static_cast<std::size_t>(entry.length))});
+    lumps.push_back(std::move(lump));
   }
   return lumps;
 }
 
-constexpr std::array map_lumps = {"THINGS", "LINEDEFS", "SIDEDEFS", "VERTEXES", "SEGS",    "SSECTORS",
-                                  "NODES",  "SECTORS",  "REJECT",   "BLOCKMAP", "BEHAVIOR"};
+constexpr std::array<std::string_view, 14> map_lumps = {
+    "THINGS",  "LINEDEFS", "SIDEDEFS", "VERTEXES", "SEGS",    "SSECTORS", "NODES",
+    "SECTORS", "REJECT",   "BLOCKMAP", "BEHAVIOR", "SCRIPTS", "TEXTMAP",  "ENDMAP"};
 
-bool begins_map(std::span<const Lump> lumps, std::size_t i) {
-  return i + 1 < lumps.size() && (lumps[i + 1].name == "THINGS" || lumps[i + 1].name == "TEXTMAP");
+bool is_map_lump(std::string_view name) {
+  return std::find(map_lumps.begin(), map_lumps.end(), name) != map_lumps.end();
 }
-// The lumps after the map's name that belong to it.
-std::span<const Lump> lumps_of_map(std::span<const Lump> lumps, std::size_t marker) {
-  std::size_t end = marker + 1;
-  while (end < lumps.size() && end - marker <= map_lumps.size() &&
-         std::find(map_lumps.begin(), map_lumps.end(), lumps[end].name) != map_lumps.end()) {
-    ++end;
+
+// E1M1, MAP01 or MAP101, as the engines name maps; tools allow any other name as well.
+bool is_usual_map_name(std::string_view name) {
+  std::string shape(name);
+  for (char& c : shape) {
+    if (c >= '0' && c <= '9') c = '0';
   }
-  return lumps.subspan(marker + 1, end - marker - 1);
+  return shape == "E0M0" || shape == "E0M00" || shape == "MAP00" || shape == "MAP000";
+}
+
+struct MapPlace {
+  std::string name;
+  std::span<const Lump> lumps;  // up to the next map; foreign lumps may lie between those of the map
+};
+
+// A map begins at the lump before THINGS, or before TEXTMAP; if foreign lumps lie between, at the usual map name that
+// comes before them.
+std::vector<MapPlace> places_of_maps(std::span<const Lump> lumps) {
+  std::vector<std::size_t> markers;
+  std::size_t after_last = 0;             // the lump after the last marker
+  std::optional<std::size_t> usual_name;  // the last one since then
+  for (std::size_t i = 0; i < lumps.size(); ++i) {
+    if (is_usual_map_name(lumps[i].name)) usual_name = i;
+    if ((lumps[i].name != "THINGS" && lumps[i].name != "TEXTMAP") || i == after_last) continue;
+    const std::size_t marker = usual_name.value_or(i - 1);
+    if (is_map_lump(lumps[marker].name)) continue;  // a second THINGS in one map
+    markers.push_back(marker);
+    after_last = i + 1;
+    usual_name.reset();
+  }
+  std::vector<MapPlace> maps;
+  for (std::size_t m = 0; m < markers.size(); ++m) {
+    const std::size_t first = markers[m] + 1, end = m + 1 < markers.size() ? markers[m + 1] : lumps.size();
+    maps.push_back({lumps[markers[m]].name, lumps.subspan(first, end - first)});
+  }
+  return maps;
 }
 
 class MapLumps {
  public:
   MapLumps(std::span<const Lump> lumps, std::string map) : lumps_(lumps), map_(std::move(map)) {}
 
+  const std::string& map() const { return map_; }
+  /// The first lump of that name, or null. Throws FormatError if it lies outside the file.
   const Lump* find(const char* name) const {
     for (const Lump& lump : lumps_) {
-      if (lump.name == name) return &lump;
+      if (lump.name != name) continue;
+      if (!lump.damage.empty()) throw FormatError(lump.damage);
+      return &lump;
     }
     return nullptr;
   }
@@ -173,7 +215,8 @@ std::vector<LineSectors> sectors_of_lines(const MapLumps& lumps, std::span<const
   return result;
 }
 
-VisibilityMatrix read_reject(const MapLumps& lumps, std::uint32_t sectors) {
+// `notes` gets a line if the table leaves more visible than an author may think.
+VisibilityMatrix read_reject(const MapLumps& lumps, std::uint32_t sectors, std::vector<std::string>& notes) {
   const Lump* reject = lumps.find("REJECT");
   const auto bytes = reject == nullptr ? std::span<const std::byte>() : reject->bytes;
   const auto hidden = [&](std::uint64_t bit) {
@@ -188,6 +231,16 @@ VisibilityMatrix read_reject(const MapLumps& lumps, std::uint32_t sectors) {
     lumps.refuse("REJECT", std::to_string(visible) + " pairs of " + std::to_string(sectors) +
                                " sectors are not rejected; at most " + std::to_string(most_visible_pairs) +
                                " are taken");
+  }
+  const std::string all = "every sector counts as visible from every other";
+  if (const std::uint64_t needed = (pairs + 7) / 8; bytes.empty()) {
+    notes.push_back(lumps.map() + " has no REJECT, so " + all);
+  } else if (bytes.size() < needed) {
+    notes.push_back(lumps.label("REJECT") + " has " + std::to_string(bytes.size()) + " of the " +
+                    std::to_string(needed) + " bytes that " + std::to_string(sectors) +
+                    " sectors need; pairs past its end count as visible");
+  } else if (visible == pairs) {
+    notes.push_back(lumps.label("REJECT") + " rejects nothing: " + all);
   }
   std::vector<std::uint64_t> offsets = {0};
   std::vector<std::uint32_t> ids;
@@ -230,16 +283,26 @@ void add_places(Level& level, const MapLumps& lumps, std::span<const Linedef> li
   level.cell_neighbours = VisibilityMatrix::from_rows(neighbours, static_cast<std::uint32_t>(sectors.size()));
 }
 
-bool has_extended_nodes(const MapLumps& lumps) {
-  const Lump* nodes = lumps.find("NODES");
-  if (nodes == nullptr || nodes->bytes.size() < 4) return true;
-  const std::string_view magic(reinterpret_cast<const char*>(nodes->bytes.data()), 4);
-  return magic == "xNd4" || magic == "XNOD" || magic == "ZNOD" || magic == "XGLN" || magic == "ZGLN";
+// Whether the tree is there and in the classic format. Node builders mark the others at the start of NODES, or of
+// SSECTORS if they also hold what OpenGL needs.
+bool has_classic_nodes(const MapLumps& lumps) {
+  constexpr std::array<std::string_view, 9> extended = {"xNd4", "XNOD", "ZNOD", "XGLN", "ZGLN",
+                                                        "XGL2", "ZGL2", "XGL3", "ZGL3"};
+  for (const char* name : {"NODES", "SSECTORS"}) {
+    const Lump* lump = lumps.find(name);
+    if (lump == nullptr || lump->bytes.size() < 4) {
+      if (std::string_view(name) == "NODES") return false;
+      continue;
+    }
+    const std::string_view magic(reinterpret_cast<const char*>(lump->bytes.data()), 4);
+    if (std::find(extended.begin(), extended.end(), magic) != extended.end()) return false;
+  }
+  return true;
 }
 
 ObjectTree read_tree(const MapLumps& lumps, std::span<const LineSectors> sectors_of_line,
                      std::uint32_t sectors) {
-  if (has_extended_nodes(lumps)) return {};
+  if (!has_classic_nodes(lumps)) return {};
   const auto segs = lumps.records<Seg>("SEGS");
   const auto subsectors = lumps.records<Subsector>("SSECTORS");
   std::vector<BspChildren> nodes;
@@ -269,10 +332,11 @@ ObjectTree read_tree(const MapLumps& lumps, std::span<const LineSectors> sectors
 std::vector<WadMap> doom_maps(std::span<const std::byte> wad) {
   const auto lumps = read_wad_directory(wad);
   std::vector<WadMap> maps;
-  for (std::size_t i = 0; i < lumps.size(); ++i) {
-    if (!begins_map(lumps, i)) continue;
-    maps.push_back({lumps[i].name});
-    for (const Lump& lump : lumps_of_map(lumps, i)) maps.back().bytes += lump.bytes.size();
+  for (const MapPlace& place : places_of_maps(lumps)) {
+    maps.push_back({place.name});
+    for (const Lump& lump : place.lumps) {
+      if (is_map_lump(lump.name)) maps.back().bytes += lump.bytes.size();
+    }
   }
   return maps;
 }
@@ -280,22 +344,20 @@ std::vector<WadMap> doom_maps(std::span<const std::byte> wad) {
 Level parse_doom_map(std::span<const std::byte> wad, std::string_view map) {
   const std::string name = upper(map);
   const auto directory = read_wad_directory(wad);
-  std::size_t marker = directory.size();
-  std::string there;  // the first few, for the message
-  std::size_t maps = 0;
-  for (std::size_t i = 0; i < directory.size(); ++i) {
-    if (!begins_map(directory, i)) continue;
-    if (directory[i].name == name) marker = i;
-    if (++maps <= 5) there += (maps > 1 ? ", " : "") + directory[i].name;
+  const auto maps = places_of_maps(directory);
+  const auto last =
+      std::find_if(maps.rbegin(), maps.rend(), [&](const MapPlace& m) { return m.name == name; });
+  if (last == maps.rend()) {
+    std::string there;
+    for (std::size_t i = 0; i < std::min<std::size_t>(maps.size(), 5); ++i)
+      there += (i > 0 ? ", " : "") + maps[i].name;
+    throw FormatError("no map " + name + "; there " + (maps.empty() ? "is none" : "are " + there) +
+                      (maps.size() > 5 ? " and " + std::to_string(maps.size() - 5) + " more" : ""));
   }
-  if (marker == directory.size()) {
-    throw FormatError("no map " + name + "; there " + (maps == 0 ? "is none" : "are " + there) +
-                      (maps > 5 ? " and " + std::to_string(maps - 5) + " more" : ""));
-  }
-  if (directory[marker + 1].name == "TEXTMAP") {
+  const MapLumps lumps(last->lumps, name);
+  if (lumps.find("TEXTMAP") != nullptr) {
     throw FormatError(name + ": is in the text format UDMF; only Doom's binary maps are read");
   }
-  const MapLumps lumps(lumps_of_map(directory, marker), name);
   if (lumps.find("BEHAVIOR") != nullptr)
     throw FormatError(name + ": is in Hexen's format; only Doom's is read");
 
@@ -309,7 +371,7 @@ Level parse_doom_map(std::span<const std::byte> wad, std::string_view map) {
   Level level;
   level.format = "Doom";
   level.cells_are = "sector";
-  level.cells = read_reject(lumps, count);
+  level.cells = read_reject(lumps, count, level.notes);
   add_places(level, lumps, lines, sectors_of_line, sectors);
   level.cell_tree = read_tree(lumps, sectors_of_line, count);
   return level;

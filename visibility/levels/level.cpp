@@ -32,6 +32,10 @@ Dataset level_dataset(const Level& level, LevelMatrix matrix, LevelTree tree) {
     throw std::invalid_argument(level.name + ": a " + level.format +
                                 " level without faces; take the matrix of cells");
   }
+  if (!level.has_visibility) {
+    throw std::invalid_argument(level.name +
+                                ": was compiled without visibility data; 'vismat see' computes it");
+  }
   const ObjectTree& own = faces ? level.face_tree : level.cell_tree;
   if (tree == LevelTree::level && own.size() == 0) {
     throw std::invalid_argument(level.name + ": has no tree of its own that can be read; take --tree bounds");
@@ -49,6 +53,7 @@ Dataset level_dataset(const Level& level, LevelMatrix matrix, LevelTree tree) {
     std::snprintf(limit, sizeof limit, ", nothing shown beyond %g m", static_cast<double>(level.far_plane));
     dataset.provenance += limit;
   }
+  for (const std::string& note : level.notes) dataset.provenance += ", " + note;
   dataset.guarantee =
       (faces && level.mover_faces > 0) || level.far_plane > 0 ? Guarantee::unknown : Guarantee::conservative;
   dataset.row_bounds = level.cell_bounds;
@@ -62,13 +67,27 @@ Dataset level_dataset(const Level& level, LevelMatrix matrix, LevelTree tree) {
 std::string summary(const Level& level) {
   char density[16];
   std::snprintf(density, sizeof density, "%.1f", level.cells.density() * 100);
-  std::string line = level.format + ": " + std::to_string(level.cells.shape().rows) + " " + level.cells_are +
-                     "s, each sees " + density + " % of them on average";
+  std::string line =
+      level.format + ": " + std::to_string(level.cells.shape().rows) + " " + level.cells_are +
+      (level.has_visibility ? "s, each sees " + (density + std::string(" % of them on average"))
+                            : "s, without visibility data");
   if (!level.face_ids.empty()) {
     line += "; " + std::to_string(level.face_ids.size()) + " faces of " +
             std::to_string(level.face_scene.indices.size() / 3) + " triangles";
   }
   return line + "; a tree of " + std::to_string(level.cell_tree.size()) + " nodes";
+}
+
+std::vector<std::string> left_out_of_faces(const Level& level) {
+  std::vector<std::string> lines;
+  const auto tell = [&](std::uint32_t count, const char* what) {
+    if (count > 0) lines.push_back(std::to_string(count) + " " + what);
+  };
+  tell(level.without_triangles.billboards, "billboards without triangles");
+  tell(level.without_triangles.undrawn, "faces without triangles since they are never drawn");
+  tell(level.without_triangles.unknown, "faces without triangles since their kind is not read");
+  tell(level.faces_left_out, "faces in no cluster left out");
+  return lines;
 }
 
 }  // namespace vismat

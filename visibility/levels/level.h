@@ -17,6 +17,13 @@ namespace vismat {
 /// 1.75 m tall, and the division is exact.
 inline constexpr float metres_per_level_unit = 1.0f / 32;
 
+/// Faces that have a place, but no triangles.
+struct FacesWithoutTriangles {
+  std::uint32_t billboards = 0;  // pictures that turn to the viewer
+  std::uint32_t undrawn = 0;     // players only bump into them
+  std::uint32_t unknown = 0;     // of kinds that are not read, such as foliage
+};
+
 struct Level {
   std::string name;               // "pak1-maps.pk3:maps/oa_koth1.bsp", without folders; set by read_level
   std::string format, cells_are;  // "Quake 3 (IBSP 46)", "cluster"; "Doom", "sector"
@@ -25,7 +32,12 @@ struct Level {
   VisibilityMatrix cell_neighbours;
   ObjectTree cell_tree;  // the level's own BSP tree over the cells; without nodes if there is none
   LevelPlaces places;    // which cell a point lies in (Quake only)
-  float far_plane = 0;   // metres: `cells` may leave out what is farther away; 0: no such limit
+  /// False if the file does not say which cell sees which, which parse_quake3_bsp refuses unless told otherwise; `cells`
+  /// is then without entries.
+  bool has_visibility = true;
+  std::vector<std::string>
+      notes;            // what one should know of `cells`, each a line: "MAP01 has no REJECT, so ..."
+  float far_plane = 0;  // metres: `cells` may leave out what is farther away; 0: no such limit
 
   // Faces (Quake only): those that some leaf with a cluster refers to, ascending by id. Column f of face_visibility's
   // matrix, and object f of the scene and of the tree, is face face_ids[f] of the file.
@@ -36,6 +48,8 @@ struct Level {
   ObjectTree face_tree;
   /// The number of faces of doors and platforms, which belong to cluster 0 wherever they are; see docs/levels.md.
   std::uint32_t mover_faces = 0;
+  std::uint32_t faces_left_out = 0;  // those to which no leaf with a cluster refers
+  FacesWithoutTriangles without_triangles;
 };
 
 /// A matrix of cells x faces: a face is visible from a cell that sees any cell in which the face lies. Throws
@@ -57,5 +71,7 @@ Dataset level_dataset(const Level& level, LevelMatrix matrix, LevelTree tree);
 
 /// The level's counts in one line: cells, density, faces, triangles, nodes.
 std::string summary(const Level& level);
+/// What the scene and the columns of faces do not hold, such as "2 billboards without triangles"; empty if all is there.
+std::vector<std::string> left_out_of_faces(const Level& level);
 
 }  // namespace vismat

@@ -1,6 +1,7 @@
 // Arrays of fixed-size records, as level files store them.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <string>
@@ -10,6 +11,14 @@
 #include "matrix/base/byte_reader.h"
 
 namespace vismat {
+
+/// Levels are stored with the lowest byte of a number first, but for some of consoles.
+inline std::int32_t with_bytes_reversed(std::int32_t number) {
+  return static_cast<std::int32_t>(__builtin_bswap32(static_cast<std::uint32_t>(number)));
+}
+inline const std::string big_endian =
+    "its numbers have the highest byte first, as on some consoles; only files with the lowest byte first are "
+    "read";
 
 /// All records of a lump. If the last one is cut off it throws a FormatError that begins with `lump_name`.
 template <typename Record>
