@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "matrix/base/byte_reader.h"
@@ -23,6 +24,39 @@ TEST(Quake3Bsp, ClustersSeeWhatTheirBitsSay) {
   const Level level = parse_quake3_bsp(Quake().bytes());
   EXPECT_EQ(level.cells, VisibilityMatrix::from_rows({{0, 1}, {0, 1, 2}, {1, 2}}, 3));
   EXPECT_EQ(level.cells_are, "cluster");
+}
+
+TEST(Quake3Bsp, Version47IsReadTheSame) {
+  Quake quake;
+  quake.version = 47;
+  const Level level = parse_quake3_bsp(quake.bytes()), of_46 = parse_quake3_bsp(Quake().bytes());
+  EXPECT_EQ(level.format, "Quake 3 (IBSP 47)");
+  EXPECT_EQ(level.cells, of_46.cells);
+  EXPECT_EQ(level.face_scene.vertices, of_46.face_scene.vertices);
+}
+
+TEST(Quake3Bsp, ASceneNeedsNoVisibilityData) {
+  Quake quake;
+  const Scene scene = parse_quake3_bsp(quake.bytes()).face_scene;
+  quake.has_visdata = false;
+  Level level = parse_quake3_bsp(quake.bytes(), {}, VisibilityData::not_needed);
+  EXPECT_FALSE(level.has_visibility);
+  EXPECT_EQ(level.cells.shape(), (Shape{3, 3}));
+  EXPECT_EQ(level.cells.ones(), 0u);
+  EXPECT_EQ(level.face_scene.vertices, scene.vertices);
+  EXPECT_EQ(level.face_scene.indices, scene.indices);
+  EXPECT_EQ(level.face_scene.object_of_triangle, scene.object_of_triangle);
+  level.name = "x.bsp";
+  EXPECT_EQ(refusal([&] { level_dataset(level, LevelMatrix::cells, LevelTree::none); }),
+            "x.bsp: was compiled without visibility data; 'vismat see' computes it");
+
+  for (auto& leaf : quake.leafs) leaf.cluster = -1;  // a compiler that stopped early numbers no clusters
+  level = parse_quake3_bsp(quake.bytes(), {}, VisibilityData::not_needed);
+  EXPECT_EQ(level.cells.shape(), (Shape{0, 0}));
+  EXPECT_EQ(level.face_scene.indices, scene.indices);
+  quake.leafs[2].cluster = 7;
+  EXPECT_EQ(refusal([&] { parse_quake3_bsp(quake.bytes(), {}, VisibilityData::not_needed); }),
+            "lump 4 (leafs): leaf 2: cluster 7 of a level with 7 leafs, each of which is in at most one");
 }
 
 TEST(Quake3Bsp, RowsOfManyWords) {
@@ -127,6 +161,29 @@ TEST(Quake3Bsp, SeeThroughAndUndrawnByTheShadersFlags) {
   EXPECT_TRUE(parse_quake3_bsp(quake.bytes()).face_scene.see_through.empty()) << "nothing is known of them";
 }
 
+TEST(Quake3Bsp, CountsWhatTheSceneDoesNotHold) {
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(left_out_of_faces(parse_quake3_bsp(Quake().bytes())),
+            (Lines{"1 billboards without triangles", "1 faces in no cluster left out"}));
+  Quake quake;
+  quake.shaders = {{0, 1}, {0x80, 0}};
+  quake.faces[0].shader = 1;
+  quake.faces[1].type = 5;
+  quake.faces[5].type = 0;
+  EXPECT_EQ(
+      left_out_of_faces(parse_quake3_bsp(quake.bytes())),
+      (Lines{"1 billboards without triangles", "1 faces without triangles since they are never drawn",
+             "2 faces without triangles since their kind is not read", "1 faces in no cluster left out"}));
+}
+
+TEST(Quake3Bsp, NamesOfShadersAreComparedAsTheEngineDoes) {
+  Quake quake;
+  quake.shader_name = "Textures\\Base/Glass.tga";
+  EXPECT_EQ(parse_quake3_bsp(quake.bytes(), {"textures/base/glass"}).face_scene.see_through,
+            std::vector<std::uint8_t>(5, 1));
+  EXPECT_TRUE(parse_quake3_bsp(quake.bytes(), {"textures/base"}).face_scene.see_through.empty());
+}
+
 TEST(Quake3Bsp, PatchOfSeveralPiecesIsSeamless) {
   Quake quake;
   quake.vertexes.clear();
@@ -189,7 +246,19 @@ TEST(Quake3Bsp, RefusesOtherFormats) {
   EXPECT_EQ(refused(quake), "header: does not begin with IBSP, so it is no Quake level");
   quake = {};
   quake.version = 38;
-  EXPECT_EQ(refused(quake), "header: IBSP version 38; only 46 (Quake 3) is read");
+  EXPECT_EQ(
+      refused(quake),
+      "header: IBSP version 38 (Quake 2); 46 (Quake 3) and 47 (Quake Live, Return to Castle Wolfenstein) are "
+      "read");
+  quake.version = 48;
+  EXPECT_EQ(
+      refused(quake),
+      "header: IBSP version 48; 46 (Quake 3) and 47 (Quake Live, Return to Castle Wolfenstein) are read");
+  quake.version = 46 << 24;
+  EXPECT_EQ(
+      refused(quake),
+      "header: its numbers have the highest byte first, as on some consoles; only files with the lowest byte "
+      "first are read");
   EXPECT_EQ(refusal([] { parse_quake3_bsp({}); }),
             "header: at byte 0: needs 4 more bytes, but only 0 are left");
 }
@@ -223,7 +292,10 @@ TEST(Quake3Bsp, RefusesRecordsCutOff) {
 TEST(Quake3Bsp, RefusesBadVisdata) {
   Quake quake;
   quake.has_visdata = false;
-  EXPECT_EQ(refused(quake), "lump 16 (visdata): empty: this level was compiled without visibility data");
+  EXPECT_EQ(
+      refused(quake),
+      "lump 16 (visdata): empty: this level was compiled without visibility data; 'vismat scene' takes its "
+      "triangles, and 'vismat see' computes what is visible");
   quake = {};
   quake.clusters = 0;
   EXPECT_EQ(refused(quake), "lump 16 (visdata): 0 clusters; a level has at least one");
@@ -373,6 +445,36 @@ TEST(Quake3Bsp, RefusesPlacesThatAreNotFinite) {
     quake.faces[3].origin[1] = bad;
     EXPECT_EQ(refused(quake), "lump 13 (faces): face 3: its origin is not finite");
   }
+}
+
+TEST(Quake3Bsp, PlacesThatNothingUsesNeedNotBeFinite) {
+  const float bad = std::numeric_limits<float>::quiet_NaN();
+  const Level plain = parse_quake3_bsp(Quake().bytes());
+  Quake quake;
+  quake.vertexes.push_back({bad, 0, 0});  // of no face
+  quake.faces[4].first_vertex = 10;       // of a face in no leaf
+  quake.faces[4].origin = {bad, bad, bad};
+  quake.faces[0].origin = {bad, bad, bad};  // of a face that has none
+  EXPECT_EQ(parse_quake3_bsp(quake.bytes()).face_scene.vertices, plain.face_scene.vertices);
+  quake.faces[1] = {3, 1, 3, 6, 3};
+  quake.faces[5].first_vertex =
+      13;  // the mover's: its last vertex is the bad one, and its triangle takes the first
+  quake.faces[5].vertices = 4;
+  quake.vertexes.insert(quake.vertexes.end() - 1, {{0, 0, 0}, {64, 0, 0}, {64, 64, 0}});
+  const Level level = parse_quake3_bsp(quake.bytes());
+  EXPECT_EQ(level.face_bounds, plain.face_bounds);
+  EXPECT_EQ(level.face_scene.vertices.size(), plain.face_scene.vertices.size());
+  for (const glm::vec3& vertex : level.face_scene.vertices) EXPECT_TRUE(std::isfinite(vertex.x));
+}
+
+TEST(Quake3Bsp, LumpsThatAreNotReadMayLieOutsideTheFile) {
+  auto bytes = Quake().bytes();
+  for (const std::size_t lump : {6, 7, 8, 9, 12, 14, 15}) {
+    for (const auto& [at, value] : {std::pair{8 + 8 * lump, 0x7ffffff0}, {12 + 8 * lump, 1000}}) {
+      std::memcpy(bytes.data() + at, &value, 4);
+    }
+  }
+  EXPECT_EQ(parse_quake3_bsp(bytes).cells.ones(), 7u);
 }
 
 TEST(Quake3Bsp, RefusesFacesThatShareTooManyTriangles) {

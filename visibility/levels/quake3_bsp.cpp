@@ -27,7 +27,6 @@ constexpr std::size_t most_places = 1
                                     << 15;  // leaves with a cluster; the engine's 2 MB of visdata end at 4096
 
 VisibilityMatrix read_visdata(std::span<const std::byte> lump) {
-  if (lump.empty()) refuse(visdata_lump, "empty: this level was compiled without visibility data");
   const std::string name = name_of(visdata_lump);
   ByteReader reader(lump, name.c_str());
   const auto clusters = reader.number<std::int32_t>(), row_bytes = reader.number<std::int32_t>();
@@ -51,6 +50,20 @@ VisibilityMatrix read_visdata(std::span<const std::byte> lump) {
     if (size % 64 != 0) row.back() &= (std::uint64_t{1} << (size % 64)) - 1;
   }
   return checked_matrix(bits, name_of(visdata_lump));
+}
+
+// Without visibility data the leaves alone tell how many clusters there are.
+std::uint32_t clusters_named_by(std::span<const Leaf> leafs) {
+  std::int64_t clusters = 0;
+  for (std::size_t i = 0; i < leafs.size(); ++i) {
+    if (leafs[i].cluster >= static_cast<std::int64_t>(std::min(leafs.size(), most_places))) {
+      refuse(leafs_lump, "leaf", i,
+             "cluster " + std::to_string(leafs[i].cluster) + " of a level with " +
+                 std::to_string(leafs.size()) + " leafs, each of which is in at most one");
+    }
+    clusters = std::max<std::int64_t>(clusters, std::int64_t{leafs[i].cluster} + 1);
+  }
+  return static_cast<std::uint32_t>(clusters);
 }
 
 void check_leafs(std::span<const Leaf> leafs, std::uint32_t clusters, std::size_t leaffaces) {
@@ -174,15 +187,27 @@ VisibilityMatrix clusters_of_leafs(std::span<const Leaf> leafs, std::uint32_t cl
 
 }  // namespace
 
-Level parse_quake3_bsp(std::span<const std::byte> file, const std::set<std::string>& see_through_shaders) {
+Level parse_quake3_bsp(std::span<const std::byte> file, const std::set<std::string>& see_through_shaders,
+                       VisibilityData visibility) {
+  const int version = version_of(file);
   const Lumps lumps = read_directory(file);
   Level level;
-  level.format = "Quake 3 (IBSP 46)";
+  level.format = "Quake 3 (IBSP " + std::to_string(version) + ")";
   level.cells_are = "cluster";
-  level.cells = read_visdata(lumps[visdata_lump]);
+  const auto leafs = records_of<Leaf>(lumps, leafs_lump);
+  level.has_visibility = !lumps[visdata_lump].empty();
+  if (level.has_visibility) {
+    level.cells = read_visdata(lumps[visdata_lump]);
+  } else if (visibility == VisibilityData::needed) {
+    refuse(visdata_lump,
+           "empty: this level was compiled without visibility data; 'vismat scene' takes its triangles, and "
+           "'vismat see' computes what is visible");
+  } else {
+    const std::uint32_t clusters = clusters_named_by(leafs);
+    level.cells = VisibilityMatrix::from_rows(std::vector<std::vector<std::uint32_t>>(clusters), clusters);
+  }
   const std::uint32_t clusters = level.cells.shape().rows;
 
-  const auto leafs = records_of<Leaf>(lumps, leafs_lump);
   const auto leaffaces = records_of<std::int32_t>(lumps, leaffaces_lump);
   const auto faces = records_of<Face>(lumps, faces_lump);
   check_leafs(leafs, clusters, leaffaces.size());
@@ -218,17 +243,21 @@ Level parse_quake3_bsp(std::span<const std::byte> file, const std::set<std::stri
         refuse(leaffaces_lump, "leaf", static_cast<std::size_t>(&leaf - leafs.data()),
                "face " + std::to_string(face) + " of only " + std::to_string(faces.size()));
       }
-      if (leaf.cluster >= 0) column_of_face[face] = 0;
+      if (leaf.cluster >= 0 || !level.has_visibility) column_of_face[face] = 0;
     }
   }
   FaceGeometry geometry(lumps, see_through_shaders);
   for (std::uint32_t face = 0; face < faces.size(); ++face) {
-    if (column_of_face[face] == unused) continue;
+    if (column_of_face[face] == unused) {
+      ++level.faces_left_out;
+      continue;
+    }
     column_of_face[face] = static_cast<std::uint32_t>(level.face_ids.size());
     level.face_ids.push_back(face);
     level.face_bounds.push_back(geometry.add(faces[face], face));
   }
   level.face_scene = geometry.take();
+  level.without_triangles = geometry.without_triangles();
   const auto columns = static_cast<std::uint32_t>(level.face_ids.size());
 
   std::vector<std::vector<std::uint32_t>> faces_of_cluster(clusters), faces_of_leaf(leafs.size());

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "visibility/levels/level.h"
+#include "visibility/levels/shader_script.h"
 
 namespace vismat::quake3 {
 namespace {
@@ -42,12 +42,8 @@ FaceGeometry::FaceGeometry(const Lumps& lumps, const std::set<std::string>& see_
       vertices_(records_of<Vertex>(lumps, vertexes_lump)),
       meshverts_(records_of<std::int32_t>(lumps, meshverts_lump)) {
   for (Shader& shader : shaders_) {
-    std::string name(shader.name, ::strnlen(shader.name, sizeof shader.name));
-    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if (see_through_shaders.contains(name)) shader.contents |= contents_translucent;
-  }
-  for (std::size_t i = 0; i < vertices_.size(); ++i) {
-    if (!finite(vertices_[i].position)) refuse(vertexes_lump, "vertex", i, "its position is not finite");
+    const std::string_view name(shader.name, ::strnlen(shader.name, sizeof shader.name));
+    if (see_through_shaders.contains(shader_key(name))) shader.contents |= contents_translucent;
   }
 }
 
@@ -55,16 +51,20 @@ Box FaceGeometry::add(const Face& face, std::size_t number) {
   const Shader shader = shader_of(face, number);
   const std::size_t first = scene_.vertices.size(), first_index = scene_.indices.size();
   Box places = empty_box;
-  if (face.type == polygon || face.type == mesh || face.type == patch) {
+  if (face.type == polygon || face.type == mesh) {
     const auto corners = corners_of(face, number);
-    if (face.type == patch) {
-      add_patch(face, number, corners);
-    } else {
-      add_triangles(face, number, corners);
+    for (const glm::vec3& corner : corners) {
+      if (finite(corner)) grow(places, corner);
     }
+    add_triangles(face, number, corners);
+  } else if (face.type == patch) {
+    add_patch(face, number, corners_of(face, number));
   } else if (face.type == billboard) {
+    ++without_triangles_.billboards;
     if (!finite(face.origin)) refuse(faces_lump, "face", number, "its origin is not finite");
     grow(places, face.origin * metres_per_level_unit);
+  } else {
+    ++without_triangles_.unknown;
   }
   if (std::max(scene_.vertices.size(), scene_.indices.size() / 3) > most_scene_entries) {
     refuse(faces_lump, "face", number,
@@ -75,6 +75,7 @@ Box FaceGeometry::add(const Face& face, std::size_t number) {
   if ((shader.surface & surface_nodraw) != 0) {  // only bumped into
     scene_.vertices.resize(first);
     scene_.indices.resize(first_index);
+    without_triangles_.undrawn += face.type == polygon || face.type == mesh || face.type == patch;
   }
   scene_.see_through.push_back((shader.surface & surface_perhaps_clear) != 0 ||
                                (shader.contents & contents_translucent) != 0);
@@ -95,6 +96,10 @@ Shader FaceGeometry::shader_of(const Face& face, std::size_t number) const {
            "shader " + std::to_string(face.shader) + " of only " + std::to_string(shaders_.size()));
   }
   return shaders_[face.shader];
+}
+
+void FaceGeometry::refuse_not_finite(std::size_t vertex) const {
+  refuse(vertexes_lump, "vertex", vertex, "its position is not finite");
 }
 
 std::vector<glm::vec3> FaceGeometry::corners_of(const Face& face, std::size_t number) const {
@@ -120,16 +125,23 @@ void FaceGeometry::add_triangles(const Face& face, std::size_t number, std::span
     refuse(faces_lump, "face", number,
            std::to_string(face.indices) + " meshverts are no whole number of triangles");
   }
-  const auto base = static_cast<std::uint32_t>(scene_.vertices.size());
-  scene_.vertices.insert(scene_.vertices.end(), corners.begin(), corners.end());
-  for (std::int32_t i = 0; i < face.indices; ++i) {
-    const std::int32_t index = meshverts_[face.first_index + i];
-    if (index < 0 || index >= face.vertices) {
-      refuse(meshverts_lump, "meshvert", static_cast<std::size_t>(face.first_index + i),
-             "vertex " + std::to_string(index) + " of a face that has " + std::to_string(face.vertices));
+  constexpr std::uint32_t unused = 0xffffffff;
+  std::vector<std::uint32_t> place(corners.size(), unused);  // in the scene
+  const std::span used(meshverts_.data() + face.first_index, static_cast<std::size_t>(face.indices));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i] < 0 || used[i] >= face.vertices) {
+      refuse(meshverts_lump, "meshvert", face.first_index + i,
+             "vertex " + std::to_string(used[i]) + " of a face that has " + std::to_string(face.vertices));
     }
-    scene_.indices.push_back(base + static_cast<std::uint32_t>(index));
+    place[used[i]] = 0;
   }
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (place[i] == unused) continue;
+    if (!finite(corners[i])) refuse_not_finite(face.first_vertex + i);
+    place[i] = static_cast<std::uint32_t>(scene_.vertices.size());
+    scene_.vertices.push_back(corners[i]);
+  }
+  for (const std::int32_t index : used) scene_.indices.push_back(place[index]);
 }
 
 // Biquadratic Bezier pieces of 3 x 3 control points that share their borders.
@@ -140,6 +152,9 @@ void FaceGeometry::add_patch(const Face& face, std::size_t number, std::span<con
            "a patch of " + std::to_string(width) + " x " + std::to_string(height) + " control points with " +
                std::to_string(face.vertices) +
                " vertexes; both sides are odd, at least 3, and multiply to them");
+  }
+  for (std::size_t i = 0; i < control.size(); ++i) {
+    if (!finite(control[i])) refuse_not_finite(face.first_vertex + i);
   }
   const auto base = static_cast<std::uint32_t>(scene_.vertices.size());
   const auto columns = static_cast<std::uint32_t>((width - 1) / 2 * patch_steps + 1);

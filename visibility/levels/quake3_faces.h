@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "matrix/box.h"
+#include "visibility/levels/level.h"
 #include "visibility/levels/quake3_lumps.h"
 #include "visibility/scene.h"
 
@@ -15,13 +16,16 @@ namespace vismat::quake3 {
 class FaceGeometry {
  public:
   FaceGeometry(const Lumps& lumps, const std::set<std::string>& see_through_shaders);
-  /// Adds a face's triangles, in metres, and returns their box. Faces that players only bump into add no triangles to
-  /// the scene.
+  /// Adds a face's triangles, in metres, and returns their box. Faces that players only bump into, and those of unknown
+  /// kinds, add no triangles to the scene.
   Box add(const Face& face, std::size_t number);
+  const FacesWithoutTriangles& without_triangles() const { return without_triangles_; }
   Scene take();
 
  private:
+  [[noreturn]] void refuse_not_finite(std::size_t vertex) const;
   Shader shader_of(const Face& face, std::size_t number) const;
+  /// The corners in metres; those that are not finite may stand in the file as long as no triangle uses them.
   std::vector<glm::vec3> corners_of(const Face& face, std::size_t number) const;
   void add_triangles(const Face& face, std::size_t number, std::span<const glm::vec3> corners);
   void add_patch(const Face& face, std::size_t number, std::span<const glm::vec3> control);
@@ -30,6 +34,7 @@ class FaceGeometry {
   std::vector<Vertex> vertices_;
   std::vector<std::int32_t> meshverts_;
   Scene scene_;
+  FacesWithoutTriangles without_triangles_;
 };
 
 }  // namespace vismat::quake3

@@ -7,6 +7,7 @@
 //   faces -> shaders (1): what the compiler knew of the material
 #include "visibility/levels/quake3_lumps.h"
 
+#include <algorithm>
 #include <string_view>
 
 namespace vismat::quake3 {
@@ -37,17 +38,29 @@ bool in_range(std::int64_t first, std::int64_t count, std::size_t size) {
   return first >= 0 && count >= 0 && first + count <= static_cast<std::int64_t>(size);
 }
 
-Lumps read_directory(std::span<const std::byte> file) {
+int version_of(std::span<const std::byte> file) {
   ByteReader header(file, "header");
   const auto magic = header.number<std::array<char, 4>>();
   if (std::string_view(magic.data(), 4) != "IBSP")
     throw FormatError("header: does not begin with IBSP, so it is no Quake level");
-  if (const auto version = header.number<std::int32_t>(); version != 46) {
-    throw FormatError("header: IBSP version " + std::to_string(version) + "; only 46 (Quake 3) is read");
-  }
+  const auto version = header.number<std::int32_t>();
+  if (version == 46 || version == 47) return version;
+  if (const auto reversed = with_bytes_reversed(version); reversed == 46 || reversed == 47)
+    throw FormatError("header: " + big_endian);
+  throw FormatError("header: IBSP version " + std::to_string(version) + (version == 38 ? " (Quake 2)" : "") +
+                    "; 46 (Quake 3) and 47 (Quake Live, Return to Castle Wolfenstein) are read");
+}
+
+Lumps read_directory(std::span<const std::byte> file) {
+  constexpr std::array read = {entities_lump,  shaders_lump,  planes_lump,    nodes_lump, leafs_lump,
+                               leaffaces_lump, vertexes_lump, meshverts_lump, faces_lump, visdata_lump};
+  ByteReader header(file, "header");
+  header.bytes(8);  // see version_of
   Lumps lumps;
   for (int i = 0; i < lump_count; ++i) {
     const auto offset = header.number<std::int32_t>(), length = header.number<std::int32_t>();
+    if (std::find(read.begin(), read.end(), i) == read.end()) continue;
+    if (length == 0) continue;
     if (!in_range(offset, length, file.size())) {
       refuse(i, std::to_string(length) + " bytes at offset " + std::to_string(offset) +
                     " lie outside the file of " + std::to_string(file.size()) + " bytes");

@@ -46,7 +46,7 @@ struct Vertex {
   float texture[2][2], normal[3];
   std::uint8_t colour[4];
 };
-enum FaceType { polygon = 1, patch = 2, mesh = 3, billboard = 4 };
+enum FaceType { polygon = 1, patch = 2, mesh = 3, billboard = 4 };  // foliage of later games is 5
 struct Face {
   std::int32_t shader, effect, type, first_vertex, vertices, first_index, indices, lightmap[5];
   glm::vec3 origin;
@@ -58,8 +58,10 @@ static_assert(sizeof(Shader) == 72 && sizeof(Node) == 36 && sizeof(Leaf) == 48 &
 
 using Lumps = std::array<std::span<const std::byte>, lump_count>;
 
-/// Finds the lumps. Throws FormatError, as do the functions below, if the file is no level of version 46 or a lump lies
-/// outside it.
+/// The version of the format. Throws FormatError, as do the functions below, if the file is no level of a version that
+/// is read.
+int version_of(std::span<const std::byte> file);
+/// Finds the lumps. Throws FormatError if one lies outside the file; lumps that are not named above stay empty.
 Lumps read_directory(std::span<const std::byte> file);
 
 /// The lump as messages name it: "lump 13 (faces)".

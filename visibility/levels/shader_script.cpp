@@ -1,25 +1,42 @@
-// A script is NAME { keywords { keywords of a stage } { of the next } } and so on, with // and /* */ comments. Only words, braces and
-// how deep they stand matter here.
+// A script is NAME { keywords { keywords of a stage } { of the next } } and so on, with // and /* */ comments. Only
+// words, braces and how deep they stand matter here. A quote that is not closed on its line is part of a word.
 #include "visibility/levels/shader_script.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "visibility/levels/ascii.h"
 
 namespace vismat {
 namespace {
 
+struct Word {
+  enum class Kind { text, open, close, end } kind;
+  std::string text;  // in lower case
+};
+
 class Words {
  public:
-  explicit Words(std::string_view text) : text_(text) {}
-  /// The next word in lower case, or brace; empty at the end.
-  std::string next() {
+  explicit Words(std::string_view text) : text_(text) {
+    if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;  // how some editors mark UTF-8
+  }
+  Word next() {
     skip_space_and_comments();
+    if (at_ == text_.size()) return {Word::Kind::end, ""};
+    if (is_brace(text_[at_])) return {text_[at_++] == '{' ? Word::Kind::open : Word::Kind::close, ""};
+    if (text_[at_] == '"') {
+      const std::size_t end = text_.find_first_of("\"\n", at_ + 1);
+      if (end != std::string_view::npos && text_[end] == '"') {
+        const std::string_view quoted = text_.substr(at_ + 1, end - at_ - 1);
+        at_ = end + 1;
+        return {Word::Kind::text, ascii_lower(quoted)};
+      }
+    }
     std::size_t end = at_;
     while (end < text_.size() && !is_space(text_[end]) && !is_brace(text_[end])) ++end;
-    if (end == at_ && end < text_.size()) ++end;  // a brace
-    std::string word(text_.substr(at_, end - at_));
-    for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const std::string_view word = text_.substr(at_, end - at_);
     at_ = end;
-    return word;
+    return {Word::Kind::text, ascii_lower(word)};
   }
 
  private:
@@ -40,18 +57,27 @@ class Words {
 
 }  // namespace
 
+std::string shader_key(std::string_view name) {
+  std::string key = ascii_lower(name);
+  std::replace(key.begin(), key.end(), '\\', '/');
+  const std::size_t dot = key.rfind('.'), slash = key.rfind('/');
+  if (dot != std::string::npos && (slash == std::string::npos || dot > slash)) key.resize(dot);
+  return key;
+}
+
 void add_see_through_shaders(std::string_view script, std::set<std::string>& names) {
   Words words(script);
   std::string name, before;
   int depth = 0, stages = 0;
-  for (std::string word; !(word = words.next()).empty(); before = std::move(word)) {
-    if (word == "{") {
-      if (++depth == 1) name = before, stages = 0;
+  for (Word word; (word = words.next()).kind != Word::Kind::end; before = std::move(word.text)) {
+    if (word.kind == Word::Kind::open) {
+      if (++depth == 1) name = shader_key(before), stages = 0;
       if (depth == 2) ++stages;
-    } else if (word == "}") {
+    } else if (word.kind == Word::Kind::close) {
       depth = std::max(depth - 1, 0);
-    } else if ((depth == 2 && word == "alphafunc") || (depth == 2 && stages == 1 && word == "blendfunc") ||
-               (depth == 1 && before == "surfaceparm" && word == "trans")) {
+    } else if ((depth == 2 && word.text == "alphafunc") ||
+               (depth == 2 && stages == 1 && word.text == "blendfunc") ||
+               (depth == 1 && before == "surfaceparm" && word.text == "trans")) {
       names.insert(name);
     }
   }
