@@ -4,6 +4,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "cli/summary.h"
 #include "cli/verbs.h"
 #include "matrix/files/dataset_file.h"
 #include "programs/options.h"
@@ -37,11 +38,20 @@ void write_faces(const Level& level, const ImportArguments& arguments) {
   write_scene(arguments.scene, file);
 }
 
+void print_scene(const Level& level, const ImportArguments& arguments) {
+  const Scene& scene = level.face_scene;
+  std::printf("%s: %s objects, %s triangles, %s see-through objects", arguments.scene.c_str(),
+              grouped(scene.object_count).c_str(), grouped(scene.object_of_triangle.size()).c_str(),
+              grouped(see_through_objects(scene)).c_str());
+  for (const std::string& what : left_out_of_faces(level)) std::printf("; %s", what.c_str());
+  std::printf("\n");
+}
+
 void run_import(const ImportArguments& arguments) {
   if (arguments.nodes && arguments.tree == "none") {
     throw std::invalid_argument("--nodes needs a tree: --tree bounds or --tree level");
   }
-  const Level level = read_level(arguments.level);
+  const Level level = read_level(arguments.level, {.see_through = !arguments.scene.empty()});
   Dataset dataset = level_dataset(level, matrices.at(arguments.matrix), trees.at(arguments.tree));
   if (arguments.nodes) dataset = over_nodes(dataset);
   if (!arguments.scene.empty()) write_faces(level, arguments);
@@ -51,7 +61,12 @@ void run_import(const ImportArguments& arguments) {
               dataset.rows_are.c_str(), shape.columns, dataset.columns_are.c_str(),
               dataset.matrix.density() * 100);
   if (dataset.source.tree) std::printf(", a tree of %u nodes", dataset.source.tree->size());
+  for (const std::string& note : level.notes) std::printf("; %s", note.c_str());
+  if (arguments.matrix == "faces" && level.faces_left_out > 0) {
+    std::printf("; %u faces in no cluster left out", level.faces_left_out);
+  }
   std::printf("\n");
+  if (!arguments.scene.empty()) print_scene(level, arguments);
 }
 
 }  // namespace
@@ -73,8 +88,8 @@ void add_import(Program& program) {
   verb.option("--scene", arguments->scene,
               "Also write the faces' triangles as a scene file (.scene.h5), in which each face is an object");
   verb.note(
-      "LEVEL is FILE.bsp, FILE.pk3:maps/NAME.bsp or FILE.wad:MAP; 'vismat info FILE' lists the levels of a "
-      "file.");
+      "LEVEL is FILE.bsp, FILE.pk3:maps/NAME.bsp, FILE.wad:MAP or FILE.zip:NAME.wad:MAP; 'vismat info FILE' "
+      "lists the levels of a file.");
   verb.example("vismat import pak1-maps.pk3:maps/oa_koth1.bsp -o koth1.bsp.h5 --matrix faces --tree level");
   verb.runs([arguments] { run_import(*arguments); });
 }

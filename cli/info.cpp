@@ -105,9 +105,8 @@ void print_scene(const SceneFile& file) {
   line("vertices", grouped(file.scene.vertices.size()));
   line("triangles", grouped(file.scene.indices.size() / 3));
   line("objects", grouped(file.scene.object_count));
-  if (const auto& clear = file.scene.see_through; !clear.empty()) {
-    line("see-through",
-         grouped(static_cast<std::uint64_t>(std::count(clear.begin(), clear.end(), 1))) + " objects");
+  if (!file.scene.see_through.empty()) {
+    line("see-through", grouped(see_through_objects(file.scene)) + " objects");
   }
   const auto range = formatted("%g to %g m above the ground", file.cells.eye_low, file.cells.eye_high);
   line("view cells", grouped(file.cells.count()) + (file.cells.prisms() == 0 ? "" : ", eyes " + range));
@@ -149,7 +148,20 @@ void print_container(const Container& container, std::span<const std::byte> file
 void print_level(const Level& level) {
   line("format", level.format);
   line("holds", summary(level));
-  print_size(level.cells.shape(), level.cells.ones());
+  if (!level.has_visibility) {
+    line("visibility",
+         "not in the file; 'vismat scene' takes the triangles, and 'vismat see' computes what is visible");
+  }
+  for (const std::string& note : level.notes) line("visibility", note);
+  if (level.has_visibility && level.notes.empty()) line("visibility", "in the file");
+  if (level.has_visibility) print_size(level.cells.shape(), level.cells.ones());
+  line((level.cells_are + "s").c_str(), grouped(level.cells.shape().rows));
+  line("faces", level.face_ids.empty() ? "none" : grouped(level.face_ids.size()));
+  if (!level.face_ids.empty()) {
+    line("triangles", grouped(level.face_scene.object_of_triangle.size()));
+    line("see-through", grouped(see_through_objects(level.face_scene)) + " faces");
+  }
+  for (const std::string& what : left_out_of_faces(level)) line("", what);
 }
 
 std::string first_bytes(const std::filesystem::path& path) {
@@ -170,16 +182,17 @@ void print_levels(const std::string& file) {
 
 // A path of a regular file, or FILE.pk3:MEMBER.
 void print_info(const std::string& where) {
+  constexpr LevelNeeds all_that_is_there{.visibility = false, .see_through = false};
   std::error_code ignored;
   if (!std::filesystem::exists(where, ignored) && where.find(':') != std::string::npos) {
-    const Level level = read_level(where);
+    const Level level = read_level(where, all_that_is_there);
     line("file", where + " (level)");
     return print_level(level);
   }
   const std::string begin = first_bytes(where);
   const auto title = [&](const char* kind) { line("file", where + " (" + kind + ")"); };
   if (begin.starts_with("IBSP")) {
-    const Level level = read_level(where);
+    const Level level = read_level(where, all_that_is_there);
     title("level");
     print_level(level);
   } else if (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD")) {
@@ -207,8 +220,9 @@ void add_info(Program& program) {
   const auto file = std::make_shared<std::string>();
   const Verb verb =
       program.verb("info", "Print what a file holds: a matrix, a compressed matrix, a scene or levels");
-  verb.option("FILE", *file,
-              "The file (.bsp.h5, .mtx, .vmat, .scene.h5, .bsp, .pk3, .wad), or a level in one: FILE:MAP")
+  verb.option(
+          "FILE", *file,
+          "The file (.bsp.h5, .mtx, .vmat, .scene.h5, .bsp, .pk3, .zip, .wad), or a level in one: FILE:MAP")
       .required();
   verb.example("vismat info koth1.bsp.h5");
   verb.example("vismat info pak6-patch085.pk3      (lists its levels)");

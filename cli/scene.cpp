@@ -1,5 +1,4 @@
 // vismat scene: makes a scene file from any triangles.
-#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -24,7 +23,7 @@ void run_scene(SceneArguments arguments) {
                                                          {"keep", Objects::as_given}};
   if (!arguments.objects.empty()) arguments.options.objects = objects.at(arguments.objects);
   arguments.options.y_up = arguments.up == "y";
-  const auto [file, welded] = read_any_scene(arguments.input, arguments.options);
+  const auto [file, welded, left_out] = read_any_scene(arguments.input, arguments.options);
   write_scene(arguments.output, file);
   const Scene& scene = file.scene;
   std::printf("%s: %s objects, %s triangles, %s vertices", arguments.output.c_str(),
@@ -33,11 +32,11 @@ void run_scene(SceneArguments arguments) {
   const auto tell = [](std::uint64_t count, const char* what) {
     if (count > 0) std::printf("; %s %s", grouped(count).c_str(), what);
   };
-  tell(static_cast<std::uint64_t>(std::count(scene.see_through.begin(), scene.see_through.end(), 1)),
-       "see-through objects");
+  tell(see_through_objects(scene), "see-through objects");
   tell(welded.zero_area, "triangles without area left out");
   tell(welded.duplicates, "duplicate triangles left out");
   tell(welded.non_manifold_edges, "edges with more than two triangles");
+  for (const std::string& what : left_out) std::printf("; %s", what.c_str());
   std::printf("\n");
 }
 

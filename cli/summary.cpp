@@ -22,6 +22,10 @@ std::string grouped(std::uint64_t number) {
   return digits;
 }
 
+std::uint64_t see_through_objects(const Scene& scene) {
+  return static_cast<std::uint64_t>(std::count(scene.see_through.begin(), scene.see_through.end(), 1));
+}
+
 std::string summary_of(std::span<const Boundary> boundaries) {
   const BoundaryMap map(boundaries);
   const std::size_t from_outside = map.neighbours(Boundary::outside).size();

@@ -9,6 +9,7 @@
 
 #include "matrix/deltas.h"
 #include "matrix/loss.h"
+#include "visibility/scene.h"
 
 namespace vismat::cli {
 
@@ -25,6 +26,8 @@ std::string formatted(const char* format, Values... values) {
   std::snprintf(text.data(), text.size(), format, values...);
   return text.data();
 }
+
+std::uint64_t see_through_objects(const Scene& scene);  // how many
 
 /// What the boundaries are, in words: "6 331 between 2 415 view cells, 1 from outside".
 std::string summary_of(std::span<const Boundary> boundaries);

@@ -1,10 +1,12 @@
-// Any bytes as a .pk3: its scripts are read, its levels listed, unpacked and read, or raise FormatError.
+// Any bytes as a zip archive: its scripts are read, its levels and .wad files listed, unpacked and read, or raise
+// FormatError.
 #include <cstdint>
 #include <cstdlib>
 #include <set>
 #include <string>
 
 #include "matrix/base/byte_reader.h"
+#include "visibility/levels/doom_wad.h"
 #include "visibility/levels/pk3.h"
 #include "visibility/levels/quake3_bsp.h"
 #include "visibility/levels/shader_script.h"
@@ -17,6 +19,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const std::string& name : pk3.scripts()) {
       const auto script = pk3.read(name);
       add_see_through_shaders({reinterpret_cast<const char*>(script.data()), script.size()}, see_through);
+    }
+    for (const Pk3::Map& wad : pk3.wads()) {
+      const auto member = pk3.read(wad.name);
+      for (const WadMap& map : doom_maps(member)) parse_doom_map(member, map.name);
     }
     for (const Pk3::Map& map : pk3.maps()) {
       const auto member = pk3.read(map.name);

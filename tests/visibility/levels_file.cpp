@@ -82,6 +82,17 @@ TEST(ShaderScript, TellsWhatIsSeenThrough) {
   EXPECT_EQ(names.size(), 3u);
 }
 
+TEST(ShaderScript, WordsInQuotes) {
+  std::set<std::string> names;
+  add_see_through_shaders(
+      "\xef\xbb\xbf\"Textures\\A/pane.tga\"\r\n{\r\n\"surfaceparm\" \"trans\"\r\n}\n"
+      "\"textures/a/with {brace\"{{map \"}\"\n\"alphafunc\" GE128}}"
+      "textures/a/plain { // \"\n q3map_note \"not closed\n { map x } }\n"
+      "textures/a/after // \"{\n/* } \" */ {surfaceparm trans}",
+      names);
+  EXPECT_EQ(names, (std::set<std::string>{"textures/a/pane", "textures/a/with {brace", "textures/a/after"}));
+}
+
 TEST_F(LevelFile, ScriptsOfItsOwnPackageCount) {
   const auto see_through = [&](const std::string& script) {
     tiny::Bytes bytes;
@@ -93,6 +104,90 @@ TEST_F(LevelFile, ScriptsOfItsOwnPackageCount) {
   };
   EXPECT_EQ(see_through("textures/base { { map a.tga alphafunc gt0 } }"), std::vector<std::uint8_t>(5, 1));
   EXPECT_TRUE(see_through("textures/other { { map a.tga alphafunc gt0 } }").empty());
+}
+
+tiny::Bytes text_bytes(std::string_view text) {
+  tiny::Bytes bytes;
+  tiny::put_text(bytes, text, text.size());
+  return bytes;
+}
+
+TEST_F(LevelFile, ArchivesOfAnyEndingAndNamesInAnyCase) {
+  const auto quake = tiny::Quake().bytes();
+  std::filesystem::create_directory(folder_ / "a.pk3:b");
+  const auto script = text_bytes("\"TEXTURES/Base\"\n{ surfaceparm trans }");
+  for (const char* name : {"x.zip", "x.PK3", "x.pk4", "x.ZIP", "levels", "a.pk3:b/x.pk3"}) {
+    const std::string file =
+        write(name, tiny::zip({{"MAPS\\Deep/TWO.BSP", quake}, {"SCRIPTS/A.SHADER", script}}));
+    for (const char* member : {"MAPS\\Deep/TWO.BSP", "maps/deep/two.bsp"}) {
+      const std::string where = file + ":" + member;
+      EXPECT_TRUE(names_level(where));
+      EXPECT_EQ(read_level(where).face_scene.see_through, std::vector<std::uint8_t>(5, 1)) << where;
+    }
+    EXPECT_EQ(read_level(list_levels(file).at(0).where).cells.ones(), 7u);
+  }
+  tiny::Quake other;
+  other.rows.assign(24, 0xff);
+  const std::string both =
+      write("both.pk3", tiny::zip({{"maps/One.bsp", quake}, {"maps/ONE.bsp", other.bytes()}}));
+  EXPECT_EQ(read_level(both + ":maps/One.bsp").cells.ones(), 7u);
+  EXPECT_EQ(read_level(both + ":maps/ONE.bsp").cells.ones(), 9u);
+  EXPECT_EQ(
+      refusal([&] { read_level(both + ":maps/one.bsp"); }),
+      both +
+          ":maps/one.bsp: 'maps/one.bsp' may be 'maps/One.bsp' or 'maps/ONE.bsp'; write its name exactly as "
+          "in the archive");
+}
+
+TEST_F(LevelFile, ToldApartByEndingOrFirstBytes) {
+  for (const char* where : {"no.bsp", "no.PK3", "no.zip", "no.wad:E1M1", "a:b/no.pk4:maps/x.bsp", "c.WAD"}) {
+    EXPECT_TRUE(names_level(where)) << where;
+  }
+  for (const char* where : {"no.obj", "no.scene.h5", "no.obj:x", "no.bsp.h5", ""}) {
+    EXPECT_FALSE(names_level(where)) << where;
+  }
+  EXPECT_TRUE(names_level(write("level", tiny::Quake().bytes())));
+  EXPECT_FALSE(names_level(write("text", text_bytes("text"))));
+  EXPECT_FALSE(names_level(folder_.string()));
+}
+
+TEST_F(LevelFile, WadsInArchives) {
+  const std::string file = write("d.zip", tiny::zip({{"Maps/DOOM.WAD", tiny::Doom().bytes(), true},
+                                                     {"cut.wad", text_bytes("PWAD")},
+                                                     {"one.bsp", tiny::Quake().bytes()}}));
+  std::vector<std::string> places;
+  for (const LevelListing& level : list_levels(file)) places.push_back(level.where);
+  EXPECT_EQ(places,
+            (std::vector<std::string>{file + ":one.bsp", file + ":Maps/DOOM.WAD:MAP07", file + ":cut.wad"}));
+  EXPECT_EQ(read_level(file + ":Maps/DOOM.WAD:MAP07").cells.ones(), 7u);
+  EXPECT_EQ(read_level(file + ":maps/doom.wad:map07").name, "d.zip:maps/doom.wad:map07");
+  const auto refused = [&](const char* member) { return refusal([&] { read_level(file + ":" + member); }); };
+  EXPECT_EQ(refused("Maps/DOOM.WAD"),
+            file + ":Maps/DOOM.WAD: holds 1 levels; name one, such as Maps/DOOM.WAD:MAP07");
+  EXPECT_EQ(refused("Maps/DOOM.WAD:MAP09"), file + ":Maps/DOOM.WAD:MAP09: no map MAP09; there are MAP07");
+  EXPECT_EQ(
+      refused("one.bsp:MAP09"),
+      file + ":one.bsp:MAP09: no member 'one.bsp:MAP09'; its levels are one.bsp, Maps/DOOM.WAD, cut.wad");
+}
+
+TEST_F(LevelFile, ADamagedMemberRefusesWhatNeedsIt) {
+  auto bytes =
+      tiny::zip({{"maps/one.bsp", tiny::Quake().bytes()}, {"scripts/a.shader", text_bytes("a{}//damaged")}});
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  bytes[text.find("damaged")] ^= std::byte{1};
+  write("x.pk3", bytes);
+  EXPECT_EQ(vismat("import x.pk3:maps/one.bsp -o x.mtx --matrix faces").first, 0);
+  EXPECT_EQ(vismat("info x.pk3:maps/one.bsp").first, 0);
+  const std::string why = "vismat: x.pk3:maps/one.bsp: member 'scripts/a.shader': CRC error\n";
+  EXPECT_EQ(vismat("scene x.pk3:maps/one.bsp -o x.scene.h5"), (std::pair{1, why}));
+  EXPECT_EQ(vismat("import x.pk3:maps/one.bsp -o y.mtx --scene x.scene.h5"), (std::pair{1, why}));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "y.mtx"));
+}
+
+TEST(Pk3, RefusesAnEncryptedMember) {
+  const auto bytes = tiny::zip({{"maps/one.bsp", tiny::Quake().bytes(), false, -1, true}});
+  EXPECT_EQ(refusal([&] { Pk3(bytes).read("maps/one.bsp"); }),
+            "member 'maps/one.bsp' is encrypted; unpack it with its password, and name the file");
 }
 
 TEST_F(LevelFile, ListsLevels) {
@@ -110,8 +205,11 @@ TEST_F(LevelFile, NamesTheFileInEveryMessage) {
   const std::string pk3 = write("x.pk3", tiny_pk3()), wad = write("d.wad", tiny::Doom().bytes());
   const auto refused = [](const std::string& where) { return refusal([&] { read_level(where); }); };
   EXPECT_EQ(refused(pk3), pk3 + ": holds 2 levels; name one, such as " + pk3 + ":maps/one.bsp");
-  EXPECT_EQ(refused(pk3 + ":maps/ONE.bsp"),
-            pk3 + ":maps/ONE.bsp: no member 'maps/ONE.bsp'; its levels are maps/one.bsp, maps/TWO.BSP");
+  EXPECT_EQ(refused(pk3 + ":maps/six.bsp"),
+            pk3 + ":maps/six.bsp: no member 'maps/six.bsp'; its levels are maps/one.bsp, maps/TWO.BSP");
+  const std::string one = write("one.bsp", tiny::Quake().bytes());
+  EXPECT_EQ(refused(one + ":MAP01"),
+            one + ":MAP01: " + one + " is one level; what stands after it names nothing");
   EXPECT_EQ(refused(wad + ":MAP99"), wad + ":MAP99: no map MAP99; there are MAP07");
   const std::string gone = (folder_ / "gone.bsp").string();
   EXPECT_EQ(refused(gone), gone + ": cannot open this level");
@@ -120,7 +218,9 @@ TEST_F(LevelFile, NamesTheFileInEveryMessage) {
   EXPECT_EQ(refused(text),
             text + ": begins neither as a Quake-3 level (IBSP) nor as a .wad (IWAD, PWAD) or .pk3 (PK)");
   const std::string broken = write("broken.pk3", tiny::bytes_of<char>({'P', 'K', 3, 4, 0}));
-  EXPECT_EQ(refused(broken + ":maps/one.bsp"), broken + ": cannot open as .pk3: Not a zip archive");
+  EXPECT_EQ(
+      refused(broken + ":maps/one.bsp"),
+      broken + ": cannot open as .pk3: no zip archive, or cut short: the directory at its end is missing");
 }
 
 TEST_F(LevelFile, MissingMembersOfALargeArchiveListTheFirstFew) {
@@ -164,7 +264,11 @@ TEST_F(LevelFile, TheProgramImports) {
   write("one.bsp", tiny::Quake().bytes());
   EXPECT_EQ(
       vismat("import one.bsp -o one.bsp.h5 --matrix faces --tree level --scene one.scene.h5"),
-      (std::pair{0, std::string("one.bsp.h5: 3 clusters x 5 faces, 80.0 % visible, a tree of 9 nodes\n")}));
+      (std::pair{
+          0, std::string("one.bsp.h5: 3 clusters x 5 faces, 80.0 % visible, a tree of 9 nodes; 1 faces in no "
+                         "cluster left out\n"
+                         "one.scene.h5: 5 objects, 36 triangles, 0 see-through objects; 1 billboards without "
+                         "triangles; 1 faces in no cluster left out\n")}));
   EXPECT_EQ(
       vismat("import one.bsp -o nodes.bsp.h5 --nodes"),
       (std::pair{0, std::string("nodes.bsp.h5: 3 clusters x 4 nodes, 83.3 % visible, a tree of 4 nodes\n")}));
@@ -178,6 +282,52 @@ TEST_F(LevelFile, TheProgramImports) {
   EXPECT_EQ(
       vismat("tree nodes.bsp.h5 -o x.bsp.h5"),
       (std::pair{1, std::string("vismat: nodes.bsp.h5: its columns are the nodes of a tree already\n")}));
+}
+
+TEST_F(LevelFile, TheProgramCountsSeeThroughObjects) {
+  write("x.zip",
+        tiny::zip({{"maps/one.bsp", tiny::Quake().bytes()},
+                   {"scripts/a.shader", text_bytes("\"textures/base\"\n{\nsurfaceparm trans\n}\n")}}));
+  EXPECT_NE(
+      vismat("import x.zip:maps/one.bsp -o x.mtx --scene x.scene.h5").second.find("5 see-through objects"),
+      std::string::npos);
+  const auto [code, scene] = vismat("scene x.zip:maps/one.bsp -o y.scene.h5");
+  EXPECT_EQ(code, 0);
+  EXPECT_NE(
+      scene.find("; 5 see-through objects; 1 billboards without triangles; 1 faces in no cluster left out"),
+      std::string::npos)
+      << scene;
+}
+
+TEST_F(LevelFile, TheProgramTakesALevelWithoutVisibilityData) {
+  tiny::Quake quake;
+  quake.has_visdata = false;
+  write("no_vis.bsp", quake.bytes());
+  EXPECT_EQ(vismat("import no_vis.bsp -o x.mtx"),
+            (std::pair{1, std::string(
+                              "vismat: no_vis.bsp: lump 16 (visdata): empty: this level was compiled without "
+                              "visibility data; 'vismat scene' takes its triangles, and 'vismat see' "
+                              "computes what is visible\n")}));
+  const auto [code, scene] = vismat("scene no_vis.bsp -o x.scene.h5");
+  EXPECT_EQ(code, 0);
+  EXPECT_NE(scene.find("5 objects, 36 triangles"), std::string::npos) << scene;
+  const auto seen = vismat("see no_vis.bsp --cells grid:1 --region=1,1,0.5,2,2,1.5 -o x.mtx --threads 1");
+  EXPECT_EQ(seen.first, 0) << seen.second;
+  const auto [info_code, info] = vismat("info no_vis.bsp");
+  EXPECT_EQ(info_code, 0);
+  EXPECT_NE(info.find("3 clusters, without visibility data; 5 faces of 36 triangles"), std::string::npos)
+      << info;
+  EXPECT_NE(info.find("visibility       not in the file"), std::string::npos) << info;
+}
+
+TEST_F(LevelFile, TheProgramTellsOfAMapWithoutReject) {
+  tiny::Doom doom;
+  doom.left_out = {"REJECT"};
+  write("d.wad", doom.bytes());
+  const std::string note = "MAP07 has no REJECT, so every sector counts as visible from every other";
+  EXPECT_EQ(vismat("import d.wad:MAP07 -o x.mtx --tree none"),
+            (std::pair{0, "x.mtx: 3 sectors x 3 sectors, 100.0 % visible; " + note + "\n"}));
+  EXPECT_NE(vismat("info d.wad:MAP07").second.find("visibility       " + note), std::string::npos);
 }
 
 TEST_F(LevelFile, TheProgramRefusesInOneLineAndWritesNothing) {

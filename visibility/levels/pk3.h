@@ -1,4 +1,4 @@
-// Reads members of a .pk3 file, which is a zip archive.
+// Reads members of a zip archive, such as a .pk3 file.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -26,12 +26,17 @@ class Pk3 {
     std::uint64_t bytes = 0;  // as the directory claims
   };
   std::vector<Map> maps() const;             // members that end in .bsp, in the archive's order
+  std::vector<Map> wads() const;             // members that end in .wad
   std::vector<std::string> scripts() const;  // members that end in .shader, in the archive's order
-  /// Reads the member of exactly this name; if there is none, the message lists the first maps of the archive.
+  /// Whether there is a member of this name: exactly, or else but for upper and lower case and \ for /, which engines
+  /// do not tell apart. Throws FormatError if several differ from it only so.
+  bool has(const std::string& member) const;
+  /// Reads the member that has() finds; if there is none, the message lists the first levels of the archive.
   std::vector<std::byte> read(const std::string& member) const;
 
  private:
   std::vector<Map> members(std::string_view ending) const;
+  std::int64_t find(const std::string& member) const;  // its number, or -1
   struct Archive;
   std::shared_ptr<Archive> archive_;
 };

@@ -17,12 +17,6 @@ namespace {
 
 using Objects = AnySceneOptions::Objects;
 
-bool is_level(const std::string& where) {
-  const std::string lower = lower_case(where);
-  return lower.ends_with(".bsp") || lower.ends_with(".pk3") || lower.ends_with(".wad") ||
-         lower.find(".pk3:") != std::string::npos || lower.find(".wad:") != std::string::npos;
-}
-
 void place(Scene& scene, const std::string& where, const AnySceneOptions& options) {
   for (glm::vec3& vertex : scene.vertices) {
     if (options.y_up) vertex = {vertex.x, -vertex.z, vertex.y};
@@ -35,13 +29,14 @@ void place(Scene& scene, const std::string& where, const AnySceneOptions& option
   }
 }
 
-SceneFile scene_of_level(const std::string& where) {
-  Level level = read_level(where);
+AnyScene scene_of_level(const std::string& where) {
+  Level level = read_level(where, {.visibility = false});
   if (level.face_ids.empty()) throw FormatError(where + ": a " + level.format + " level has no faces to see");
-  SceneFile file;
-  file.scene = std::move(level.face_scene);
-  file.provenance = level.name + ", " + level.format;
-  return file;
+  AnyScene result;
+  result.left_out = left_out_of_faces(level);
+  result.file.scene = std::move(level.face_scene);
+  result.file.provenance = level.name + ", " + level.format;
+  return result;
 }
 
 }  // namespace
@@ -67,8 +62,10 @@ AnyScene read_any_scene(const std::string& where, const AnySceneOptions& options
       file.provenance += text;
     }
     if (options.y_up) file.provenance += ", y up";
+  } else if (names_level(where)) {
+    result = scene_of_level(where);
   } else {
-    file = is_level(where) ? scene_of_level(where) : read_scene(where);
+    file = read_scene(where);
   }
   const Objects objects = options.objects.value_or(is_mesh ? Objects::components : Objects::as_given);
   if (!is_mesh && objects == Objects::as_given && options.weld == 0) return result;

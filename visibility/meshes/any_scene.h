@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "visibility/meshes/components.h"
 #include "visibility/scene_file.h"
@@ -20,9 +21,11 @@ struct AnySceneOptions {
 struct AnyScene {
   SceneFile file;     // with view cells only if a .scene.h5 has them
   WeldCounts welded;  // all 0 if objects stay as given and `weld` is 0
+  std::vector<std::string>
+      left_out;  // what of a level the scene does not hold, such as "2 billboards without triangles"
 };
 
-/// Reads `where`: a mesh (.obj, .ply, .off, .stl), a Quake 3 level (FILE.bsp, FILE.pk3:maps/NAME.bsp), or otherwise a
+/// Reads `where`: a mesh (.obj, .ply, .off, .stl), a Quake 3 level (FILE.bsp, FILE.pk3:maps/NAME.bsp, see names_level), or otherwise a
 /// `.scene.h5`. Meshes are always welded, other files if that or new objects are asked for. The tree of a scene file
 /// belongs to its objects and is dropped if they change. Throws FormatError or std::runtime_error for a bad file,
 /// beginning with `where`, and std::invalid_argument for options out of range, or for `scale` or `y_up` with a file
