@@ -93,6 +93,19 @@ TEST(ShaderScript, WordsInQuotes) {
   EXPECT_EQ(names, (std::set<std::string>{"textures/a/pane", "textures/a/with {brace", "textures/a/after"}));
 }
 
+TEST(ShaderScript, ForgottenBraces) {
+  std::set<std::string> names;
+  add_see_through_shaders(
+      "textures/a/open\n{\n{ map x\n}\n"
+      "textures/a/pane // after one that is not closed\n{\nsurfaceparm trans\n}\n}\n}\n"
+      "textures/a/pane2{surfaceparm trans}\n"
+      "textures/a/unopened\nsurfaceparm trans\n}\n"
+      "textures/a/wall\n{\n{ map textures/a/b.tga\n}\nq3map_lightimage textures/a/b.tga\n{ alphafunc GE128 "
+      "}\n}",
+      names);
+  EXPECT_EQ(names, (std::set<std::string>{"textures/a/pane", "textures/a/pane2", "textures/a/wall"}));
+}
+
 TEST_F(LevelFile, ScriptsOfItsOwnPackageCount) {
   const auto see_through = [&](const std::string& script) {
     tiny::Bytes bytes;

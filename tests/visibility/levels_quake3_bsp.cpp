@@ -334,6 +334,9 @@ TEST(Quake3Bsp, RefusesBadLeafs) {
   quake.leafs[4].box[0] = 193;
   EXPECT_EQ(refused(quake), "lump 4 (leafs): leaf 4: its box is inside out");
   quake = {};
+  for (const int unused : {0, 3, 6}) quake.leafs[unused].box = {99999, 99999, 99999, -99999, -99999, -99999};
+  EXPECT_EQ(refused(quake), "") << "leafs without a place, as some compilers mark them";
+  quake = {};
   quake.leafs.resize(40000, {0, {0, 0, 0, 1, 1, 1}, 0, 0});
   EXPECT_EQ(refused(quake), "lump 4 (leafs): 39999 leafs have a cluster; at most 32768 are taken");
 }
@@ -360,7 +363,9 @@ TEST(Quake3Bsp, CellsAlongASegment) {
   EXPECT_EQ(cell_at(places, {5, 0, 0}), 2);
   EXPECT_EQ(cell_at(places, {9, 0, 1}), -1);
 
-  quake.planes.pop_back();
+  quake.planes.push_back({0, 0, std::numeric_limits<float>::quiet_NaN(), 0});  // of no node
+  EXPECT_EQ(parse_quake3_bsp(quake.bytes()).places.nodes.size(), 4u);
+  quake.planes.resize(3);
   EXPECT_EQ(refused(quake), "lump 3 (nodes): node 3: plane 3 of only 3");
   quake.planes.push_back({0, 0, std::numeric_limits<float>::infinity(), 0});
   EXPECT_EQ(refused(quake), "lump 2 (planes): plane 3: is not finite");

@@ -80,9 +80,6 @@ void check_leafs(std::span<const Leaf> leafs, std::uint32_t clusters, std::size_
       refuse(leafs_lump, "leaf", i,
              "leaffaces " + range(leaf.first_face, leaf.faces) + " of only " + std::to_string(leaffaces));
     }
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (leaf.low[k] > leaf.high[k]) refuse(leafs_lump, "leaf", i, "its box is inside out");
-    }
     sum += leaf.faces;
   }
   if (places > most_places) {  // to find neighbours takes their square
@@ -158,17 +155,15 @@ LevelPlaces places_of(const Lumps& lumps, std::span<const Node> nodes, std::span
   LevelPlaces places;
   places.planes = records_of<LevelPlaces::Plane>(lumps, planes_lump);
   if (places.planes.empty()) return {};
-  for (std::size_t i = 0; i < places.planes.size(); ++i) {
-    LevelPlaces::Plane& plane = places.planes[i];
-    plane.distance *= metres_per_level_unit;
-    if (!std::isfinite(plane.normal.x + plane.normal.y + plane.normal.z + plane.distance)) {
-      refuse(planes_lump, "plane", i, "is not finite");
-    }
-  }
+  for (LevelPlaces::Plane& plane : places.planes) plane.distance *= metres_per_level_unit;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!in_range(nodes[i].plane, 1, places.planes.size())) {
       refuse(nodes_lump, "node", i,
              "plane " + std::to_string(nodes[i].plane) + " of only " + std::to_string(places.planes.size()));
+    }
+    const LevelPlaces::Plane& plane = places.planes[nodes[i].plane];
+    if (!std::isfinite(plane.normal.x + plane.normal.y + plane.normal.z + plane.distance)) {
+      refuse(planes_lump, "plane", static_cast<std::size_t>(nodes[i].plane), "is not finite");
     }
     places.nodes.push_back({static_cast<std::uint32_t>(nodes[i].plane), nodes[i].children});
   }
@@ -223,8 +218,13 @@ Level parse_quake3_bsp(std::span<const std::byte> file, const std::set<std::stri
   std::vector<std::uint32_t> order;  // of those leaves
   for (const BspItem& item : walk) {
     if (item.child >= 0 || leafs[~item.child].cluster < 0) continue;
+    const Leaf& leaf = leafs[~item.child];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (leaf.low[k] > leaf.high[k])
+        refuse(leafs_lump, "leaf", static_cast<std::size_t>(~item.child), "its box is inside out");
+    }
     order.push_back(static_cast<std::uint32_t>(~item.child));
-    places.push_back(leafs[order.back()]);
+    places.push_back(leaf);
   }
   level.cell_bounds = cluster_boxes(places, clusters);
   level.cell_neighbours = cluster_neighbours(std::move(places), clusters);
