@@ -172,8 +172,7 @@ std::string first_bytes(const std::filesystem::path& path) {
   return bytes;
 }
 
-void print_levels(const std::string& file) {
-  const auto levels = list_levels(file);
+void print_levels(const std::vector<LevelListing>& levels) {
   line("levels", std::to_string(levels.size()));
   for (const LevelListing& level : levels) {
     std::printf("%16s bytes  %s\n", grouped(level.bytes).c_str(), printable(level.where).c_str());
@@ -191,13 +190,14 @@ void print_info(const std::string& where) {
   }
   const std::string begin = first_bytes(where);
   const auto title = [&](const char* kind) { line("file", where + " (" + kind + ")"); };
-  if (begin.starts_with("IBSP")) {
+  if (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD")) {
+    const auto levels = list_levels(where);
+    title("levels");
+    print_levels(levels);
+  } else if (names_level(where)) {
     const Level level = read_level(where, all_that_is_there);
     title("level");
     print_level(level);
-  } else if (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD")) {
-    title("levels");
-    print_levels(where);
   } else if (vmat::begins_vmat(std::as_bytes(std::span(begin)))) {
     const auto bytes = read_file(where);
     const Container container = naming(where, [&] { return read_container(bytes); });

@@ -333,6 +333,15 @@ TEST_F(LevelFile, TheProgramTakesALevelWithoutVisibilityData) {
   EXPECT_NE(info.find("visibility       not in the file"), std::string::npos) << info;
 }
 
+TEST_F(LevelFile, TheProgramPrintsNothingOfLevelsItCannotRead) {
+  write("cut.pk3", text_bytes("PK\3\4"));
+  write("text.bsp", text_bytes("text"));
+  EXPECT_EQ(vismat("info cut.pk3")
+                .second.find("vismat: cut.pk3: cannot open as .pk3: no zip archive, or cut short"),
+            0u);
+  EXPECT_EQ(vismat("info text.bsp").second.find("vismat: text.bsp: begins neither as a Quake-3 level"), 0u);
+}
+
 TEST_F(LevelFile, TheProgramTellsOfAMapWithoutReject) {
   tiny::Doom doom;
   doom.left_out = {"REJECT"};

@@ -170,9 +170,14 @@ TEST(Quake3Bsp, CountsWhatTheSceneDoesNotHold) {
   quake.faces[0].shader = 1;
   quake.faces[1].type = 5;
   quake.faces[5].type = 0;
+  quake.faces.push_back({1, 0, 4, 0, 0});
+  quake.leaffaces[6] = 6;
+  quake.leaffaces.push_back(5);
+  quake.leafs[6].faces = 2;
   EXPECT_EQ(
       left_out_of_faces(parse_quake3_bsp(quake.bytes())),
       (Lines{"1 billboards without triangles", "1 faces without triangles since they are never drawn",
+             "1 faces without triangles since they list none",
              "2 faces without triangles since their kind is not read", "1 faces in no cluster left out"}));
 }
 

@@ -85,6 +85,7 @@ std::vector<std::string> left_out_of_faces(const Level& level) {
   };
   tell(level.without_triangles.billboards, "billboards without triangles");
   tell(level.without_triangles.undrawn, "faces without triangles since they are never drawn");
+  tell(level.without_triangles.empty, "faces without triangles since they list none");
   tell(level.without_triangles.unknown, "faces without triangles since their kind is not read");
   tell(level.faces_left_out, "faces in no cluster left out");
   return lines;

@@ -21,6 +21,7 @@ inline constexpr float metres_per_level_unit = 1.0f / 32;
 struct FacesWithoutTriangles {
   std::uint32_t billboards = 0;  // pictures that turn to the viewer
   std::uint32_t undrawn = 0;     // players only bump into them
+  std::uint32_t empty = 0;       // they list no triangle
   std::uint32_t unknown = 0;     // of kinds that are not read, such as foliage
 };
 

@@ -57,6 +57,7 @@ Box FaceGeometry::add(const Face& face, std::size_t number) {
       if (finite(corner)) grow(places, corner);
     }
     add_triangles(face, number, corners);
+    without_triangles_.empty += face.indices == 0;
   } else if (face.type == patch) {
     add_patch(face, number, corners_of(face, number));
   } else if (face.type == billboard) {
@@ -74,8 +75,8 @@ Box FaceGeometry::add(const Face& face, std::size_t number) {
   for (std::size_t i = first; i < scene_.vertices.size(); ++i) grow(places, scene_.vertices[i]);
   if ((shader.surface & surface_nodraw) != 0) {  // only bumped into
     scene_.vertices.resize(first);
+    without_triangles_.undrawn += scene_.indices.size() > first_index;
     scene_.indices.resize(first_index);
-    without_triangles_.undrawn += face.type == polygon || face.type == mesh || face.type == patch;
   }
   scene_.see_through.push_back((shader.surface & surface_perhaps_clear) != 0 ||
                                (shader.contents & contents_translucent) != 0);
