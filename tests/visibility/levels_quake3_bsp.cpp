@@ -170,6 +170,7 @@ TEST(Quake3Bsp, CountsWhatTheSceneDoesNotHold) {
   quake.faces[0].shader = 1;
   quake.faces[1].type = 5;
   quake.faces[5].type = 0;
+  quake.faces[5].first_vertex = 1 << 20;  // means nothing in a kind that is not known
   quake.faces.push_back({1, 0, 4, 0, 0});
   quake.leaffaces[6] = 6;
   quake.leaffaces.push_back(5);
@@ -179,6 +180,8 @@ TEST(Quake3Bsp, CountsWhatTheSceneDoesNotHold) {
       (Lines{"1 billboards without triangles", "1 faces without triangles since they are never drawn",
              "1 faces without triangles since they list none",
              "2 faces without triangles since their kind is not read", "1 faces in no cluster left out"}));
+  EXPECT_EQ(parse_quake3_bsp(quake.bytes()).face_bounds[1], (Box{{0, 0, 0}, {2, 2, 0}}))
+      << "foliage keeps the place of its vertexes";
 }
 
 TEST(Quake3Bsp, NamesOfShadersAreComparedAsTheEngineDoes) {

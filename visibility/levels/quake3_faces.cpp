@@ -51,11 +51,14 @@ Box FaceGeometry::add(const Face& face, std::size_t number) {
   const Shader shader = shader_of(face, number);
   const std::size_t first = scene_.vertices.size(), first_index = scene_.indices.size();
   Box places = empty_box;
-  if (face.type == polygon || face.type == mesh) {
-    const auto corners = corners_of(face, number);
+  const auto grow_by = [&](std::span<const glm::vec3> corners) {
     for (const glm::vec3& corner : corners) {
       if (finite(corner)) grow(places, corner);
     }
+  };
+  if (face.type == polygon || face.type == mesh) {
+    const auto corners = corners_of(face, number);
+    grow_by(corners);
     add_triangles(face, number, corners);
     without_triangles_.empty += face.indices == 0;
   } else if (face.type == patch) {
@@ -66,6 +69,7 @@ Box FaceGeometry::add(const Face& face, std::size_t number) {
     grow(places, face.origin * metres_per_level_unit);
   } else {
     ++without_triangles_.unknown;
+    if (in_range(face.first_vertex, face.vertices, vertices_.size())) grow_by(corners_of(face, number));
   }
   if (std::max(scene_.vertices.size(), scene_.indices.size() / 3) > most_scene_entries) {
     refuse(faces_lump, "face", number,
