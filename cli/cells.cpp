@@ -97,7 +97,9 @@ void add_cells_options(const Verb& verb, CellsWords& words) {
       "visible from them, at most LEVELS times");
   verb.option(
       "--region", words.region,
-      "Where view cells may be: x,y,z,x,y,z, the low corner and the high one (default: the scene's bounds)");
+      "Where view cells may be: x,y,z,x,y,z, the low corner and the high one (default: the scene's bounds). "
+      "Boxes of a grid become evenly smaller so that they end with the region; those of an octree are cut "
+      "there");
   verb.option("--from", words.from,
               "A point x,y,z from which viewers come; may be given several times (default: the sky, or the "
               "largest piece of ground)")

@@ -83,8 +83,12 @@ OctreeCells make_octree_cells(const Scene& scene, const VisibleTriangles& count,
   for (unsigned level = 0; !places.empty(); ++level) {
     const std::uint32_t step = finest >> level;
     ViewCells cells;
-    for (const Place& at : places)
-      cells.boxes.push_back(grid.box(at[0] * step, at[1] * step, at[2] * step, step));
+    for (const Place& at : places) {
+      Box& box = cells.boxes.emplace_back(grid.box(at[0] * step, at[1] * step, at[2] * step, step));
+      for (unsigned axis = 0; axis < 3 && options.region; ++axis) {
+        box.high[axis] = std::min(box.high[axis], std::max(thick.high[axis], box.low[axis]));
+      }
+    }
     const std::vector<std::uint64_t> triangles = count(cells);
     if (triangles.size() != places.size()) {
       throw std::invalid_argument("octree cells: " + std::to_string(triangles.size()) +
