@@ -64,7 +64,8 @@ OctreeCells make_octree_cells(const Scene& scene, const VisibleTriangles& count,
     if (thick.low[axis] == thick.high[axis]) thick.high[axis] += side / 1024;
   }
   const std::uint32_t finest = 1u << options.levels;
-  const CellGrid grid = grid_over(thick, glm::vec3(side / static_cast<float>(finest)));
+  CellGrid grid = grid_over(thick, glm::vec3(side / static_cast<float>(finest)));
+  if (options.region) fit(grid, thick);
   std::vector<Reachable> reachable(options.levels + 1);  // by level, the root's first
   reachable.back() = {grid.count, reachable_cells(scene, grid, options.viewers, 2, options.threads)};
   for (unsigned level = options.levels; level-- > 0;) reachable[level] = coarser(reachable[level + 1]);
