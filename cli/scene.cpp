@@ -24,7 +24,7 @@ void run_scene(SceneArguments arguments) {
                                                          {"keep", Objects::as_given}};
   if (!arguments.objects.empty()) arguments.options.objects = objects.at(arguments.objects);
   arguments.options.y_up = arguments.up == "y";
-  const auto [file, welded] = read_any_scene(arguments.input, arguments.options);
+  const auto [file, welded, left_out] = read_any_scene(arguments.input, arguments.options);
   write_scene(arguments.output, file);
   const Scene& scene = file.scene;
   std::printf("%s: %s objects, %s triangles, %s vertices", arguments.output.c_str(),
@@ -35,6 +35,7 @@ void run_scene(SceneArguments arguments) {
   };
   tell(static_cast<std::uint64_t>(std::count(scene.see_through.begin(), scene.see_through.end(), 1)),
        "see-through objects");
+  for (const LeftOut& kind : left_out) tell(kind.count, (kind.what + " left out").c_str());
   tell(welded.zero_area, "triangles without area left out");
   tell(welded.duplicates, "duplicate triangles left out");
   tell(welded.non_manifold_edges, "edges with more than two triangles");
@@ -58,7 +59,8 @@ void add_scene(Program& program) {
   verb.option("--scale", o.scale, "Length of a mesh's unit in metres");
   verb.option("--up", arguments->up, "The axis of a mesh that points up").one_of({"y", "z"});
   verb.note(
-      "INPUT is a mesh (.obj, .ply, .off, .stl), a Quake 3 level (FILE.bsp, FILE.pk3:maps/NAME.bsp) or a "
+      "INPUT is a mesh (.obj, .ply, .off, .stl), a Quake 3 level (FILE.bsp, "
+      "FILE.pk3:maps/NAME.bsp) or a "
       ".scene.h5.");
   verb.example("vismat scene station.obj --scale 0.01 --up y -o station.scene.h5");
   verb.runs([arguments] { run_scene(*arguments); });

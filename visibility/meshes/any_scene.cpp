@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "matrix/base/byte_reader.h"
 #include "visibility/levels/level_file.h"
@@ -58,7 +59,9 @@ AnyScene read_any_scene(const std::string& where, const AnySceneOptions& options
                                 ": its lengths and its up are known; a scale and y up are for mesh files");
   }
   if (is_mesh) {
-    file.scene = read_mesh(where);
+    MeshFile mesh = read_mesh(where);
+    file.scene = std::move(mesh.scene);
+    result.left_out = std::move(mesh.left_out);
     place(file.scene, where, options);
     file.provenance = std::filesystem::path(where).filename().string();
     char text[48];

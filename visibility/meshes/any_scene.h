@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "visibility/meshes/components.h"
+#include "visibility/meshes/mesh_file.h"
 #include "visibility/scene_file.h"
 
 namespace vismat {
@@ -18,8 +20,9 @@ struct AnySceneOptions {
 };
 
 struct AnyScene {
-  SceneFile file;     // with view cells only if a .scene.h5 has them
-  WeldCounts welded;  // all 0 if objects stay as given and `weld` is 0
+  SceneFile file;                 // with view cells only if a .scene.h5 has them
+  WeldCounts welded;              // all 0 if objects stay as given and `weld` is 0
+  std::vector<LeftOut> left_out;  // of a mesh file
 };
 
 /// Reads `where`: a mesh (.obj, .ply, .off, .stl), a Quake 3 level (FILE.bsp, FILE.pk3:maps/NAME.bsp), or otherwise a

@@ -1,9 +1,13 @@
 // Reads triangle meshes as other programs write them: OBJ, PLY, OFF and STL.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "visibility/scene.h"
 
@@ -13,17 +17,31 @@ enum class MeshFormat { obj, ply, off, stl };
 /// The format that the name's ending (in any case) names; nothing for another ending.
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& path);
 
+/// Something that a file holds and a scene does not.
+struct LeftOut {
+  std::uint64_t count;
+  std::string what;  // "points without a place"
+};
+struct MeshFile {
+  Scene scene;
+  std::vector<LeftOut> left_out;
+  void leave_out(std::uint64_t count, std::string what) {
+    if (count > 0) left_out.push_back({count, std::move(what)});
+  }
+};
+
 /// Reads the file's triangles as one object, in the file's units and axes, in its order; see weld and
 /// split_into_components. Polygons are cut into triangles, concave ones too; a face of one or two corners becomes a
 /// triangle without area, for weld to count. OBJ: positions and faces, indices from either end, lines continued by a
 /// backslash; groups, materials, lines and points are left out. PLY: text and binary of either byte order, any types
-/// and further properties. OFF: text, with colours and so on. STL: text and binary. Throws FormatError, one line that
-/// says where (line, face or byte), for a file that is damaged, cut short or without triangles, for coordinates that
-/// are not numbers or beyond 1e9, and for indices and counts that are impossible. Memory is bounded by the bytes given.
-/// O(bytes), and O(corners^2) for a polygon of at most 4096 corners.
-Scene parse_mesh(std::span<const std::byte> bytes, MeshFormat format);
+/// and further properties, faces and triangle strips. OFF: text, with colours and so on, with and without line ends
+/// between numbers. STL: text and binary. Text may be UTF-8 or UTF-16, with any line ends.
+/// Points whose coordinates are not numbers or beyond 1e9 are left out if no face uses them. Throws FormatError, one line
+/// that says where (line, face or byte), for a file that is damaged, cut short or without triangles, for such points in
+/// a face, and for indices and counts that are impossible. Memory is bounded by the bytes given. O(bytes), and O(corners^2) for a polygon of at most 4096 corners.
+MeshFile parse_mesh(std::span<const std::byte> bytes, MeshFormat format);
 /// The same from a file; each message begins with its path. Throws std::invalid_argument for an ending other than .obj,
 /// .ply, .off or .stl.
-Scene read_mesh(const std::filesystem::path& path);
+MeshFile read_mesh(const std::filesystem::path& path);
 
 }  // namespace vismat

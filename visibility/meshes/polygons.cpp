@@ -3,6 +3,8 @@
 // that no triangle without area stands for a neighbour's vertex on the edge. A polygon that crosses itself is cut anyhow.
 #include "visibility/meshes/polygons.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <span>
@@ -78,6 +80,7 @@ class EarCutter {
 Scene Polygons::take() {
   Scene scene;
   if (points_.empty()) throw FormatError("holds no points");
+  leave_out_unplaced();
   EarCutter cutter;
   for (std::size_t face = 0; face < where_.size(); ++face) {
     const std::size_t end = face + 1 < where_.size() ? first_corner_[face + 1] : corners_.size();
@@ -105,6 +108,39 @@ Scene Polygons::take() {
   scene.object_of_triangle.assign(scene.indices.size() / 3, 0);
   scene.object_count = 1;
   return scene;
+}
+
+std::string Polygons::shown(double number, std::string_view word) {
+  if (!word.empty()) return vismat::shown(word);
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
+}
+
+void Polygons::leave_out_unplaced() {
+  if (unplaced_.empty()) return;
+  constexpr std::uint32_t nowhere = 0xffffffff;
+  std::vector<std::uint32_t> new_of_old(points_.size());
+  for (const Unplaced& point : unplaced_) new_of_old[point.point] = nowhere;
+  std::uint32_t kept = 0;
+  for (std::uint32_t& point : new_of_old) {
+    if (point != nowhere) point = kept++;
+  }
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    if (corners_[i] >= points_.size()) return;  // which take() refuses
+    if (new_of_old[corners_[i]] != nowhere) continue;
+    const auto point = std::ranges::lower_bound(unplaced_, corners_[i], {}, &Unplaced::point);
+    const auto face =
+        std::upper_bound(first_corner_.begin(), first_corner_.end(), i) - first_corner_.begin() - 1;
+    fail(static_cast<std::size_t>(face), std::string("uses ") + point_place_ + " " +
+                                             std::to_string(point->where) + ", where " + point->word +
+                                             " is not a number within 1e9 of the origin");
+  }
+  for (std::uint32_t& corner : corners_) corner = new_of_old[corner];
+  for (std::size_t point = 0; point < points_.size(); ++point) {
+    if (new_of_old[point] != nowhere) points_[new_of_old[point]] = points_[point];
+  }
+  points_.resize(kept);
 }
 
 void Polygons::fail(std::size_t face, const std::string& what) const {
