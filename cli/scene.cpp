@@ -59,7 +59,7 @@ void add_scene(Program& program) {
   verb.option("--scale", o.scale, "Length of a mesh's unit in metres");
   verb.option("--up", arguments->up, "The axis of a mesh that points up").one_of({"y", "z"});
   verb.note(
-      "INPUT is a mesh (.obj, .ply, .off, .stl), a Quake 3 level (FILE.bsp, "
+      "INPUT is a mesh (.obj, .ply, .off, .stl, also packed as .obj.gz), a Quake 3 level (FILE.bsp, "
       "FILE.pk3:maps/NAME.bsp) or a "
       ".scene.h5.");
   verb.example("vismat scene station.obj --scale 0.01 --up y -o station.scene.h5");

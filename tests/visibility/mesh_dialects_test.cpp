@@ -1,6 +1,7 @@
 // One mesh in every dialect of every format: a table of what systems do to text, times the formats, and a table for each format
 // of what programs write. All must give the same triangles.
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -81,6 +82,21 @@ std::string utf16(std::string_view text, bool big_endian) {
   return result;
 }
 
+std::string gzip(std::string_view text) {
+  z_stream stream{};
+  if (deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::bad_alloc();
+  std::string result(deflateBound(&stream, text.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(result.data());
+  stream.avail_out = static_cast<uInt>(result.size());
+  deflate(&stream, Z_FINISH);
+  result.resize(stream.total_out);
+  deflateEnd(&stream);
+  return result;
+}
+
 struct Change {
   const char* name;
   std::function<std::string(const std::string&)> make;
@@ -122,7 +138,9 @@ const std::vector<Change> changes = {
     {"padding by 0", [](const std::string& t) { return t + std::string(600, '\0'); }},
     {"no last line end", [](const std::string& t) { return t.substr(0, t.size() - 1); }},
     {"tabs", [](const std::string& t) { return replaced(t, " ", "\t"); }},
-    {"blanks around", [](const std::string& t) { return replaced(replaced(t, " ", "  "), "\n", " \t \n"); }}};
+    {"blanks around", [](const std::string& t) { return replaced(replaced(t, " ", "  "), "\n", " \t \n"); }},
+    {"gzip", gzip},
+    {"gzip in parts", [](const std::string& t) { return gzip(t.substr(0, 20)) + gzip(t.substr(20)); }}};
 
 TEST(MeshDialects, TextOfEverySystemInEveryFormat) {
   for (const MeshFormat format : formats) {
@@ -357,6 +375,7 @@ TEST(MeshDialects, StlBinary) {
   const std::string plain = file("CAD", 2, "");
   constexpr auto stl = MeshFormat::stl;
   EXPECT_EQ(told(plain, stl), both);
+  EXPECT_EQ(told(gzip(plain), stl), both);
   EXPECT_EQ(told(file("solid a", 2, ""), stl), both);
   for (const auto* header : {"CAD", "solid a", "solid a\nfacet"}) {
     EXPECT_EQ(told(file(header, 2, "abcd"), stl), both + " 8 bytes of attributes;") << header;
@@ -476,6 +495,33 @@ TEST(MeshDialects, StripsTurnEverySecondTriangle) {
             "line 16: a corner's number is not a whole number from 0 to 4294967294");
   EXPECT_EQ(told(text + "3 0 1 5\n", MeshFormat::ply),
             "face 0: names a point that is not among the 5 of the file");
+}
+
+TEST(MeshDialects, GzipIsUnpackedWithinBounds) {
+  const std::string packed = gzip(texts[0]);
+  EXPECT_EQ(told(packed + "\0\0\0"s, MeshFormat::obj), both + " 3 bytes after the packed data;");
+  EXPECT_EQ(told(gzip(packed), MeshFormat::obj), "is packed by gzip twice; unpack it by gunzip");
+  for (std::size_t size = 2; size < packed.size(); ++size) {
+    EXPECT_EQ(told(std::string_view(packed).substr(0, size), MeshFormat::obj),
+              "is a gzip file that is cut short")
+        << size;
+  }
+  std::string damaged = packed;
+  damaged[packed.size() - 6] ^= 1;
+  EXPECT_EQ(told(damaged, MeshFormat::obj), "is a damaged gzip file: incorrect data check");
+  const std::string bomb = gzip(std::string(30 << 20, '\n'));
+  EXPECT_EQ(told(bomb, MeshFormat::obj),
+            "is a gzip file that unpacks to more than " + std::to_string((16 << 20) + 100 * bomb.size()) +
+                " bytes, over 100 times its size; unpack it by gunzip if that is right");
+
+  const TemporaryFolder folder;
+  for (const MeshFormat format : formats) {
+    const std::size_t f = static_cast<std::size_t>(format);
+    const std::string text = gzip(texts[f]), path = folder / ("a"s + endings[f] + ".GZ");
+    EXPECT_EQ(mesh_format(path), format);
+    write_file(path, std::as_bytes(std::span(text)));
+    EXPECT_EQ(read_mesh(path).scene.object_of_triangle.size(), 2u);
+  }
 }
 
 TEST(MeshDialects, ScenesTellWhatIsLeftOut) {

@@ -25,7 +25,7 @@ struct AnyScene {
   std::vector<LeftOut> left_out;  // of a mesh file
 };
 
-/// Reads `where`: a mesh (.obj, .ply, .off, .stl), a Quake 3 level (FILE.bsp, FILE.pk3:maps/NAME.bsp), or otherwise a
+/// Reads `where`: a mesh (.obj, .ply, .off, .stl, also packed as .obj.gz), a Quake 3 level (FILE.bsp, FILE.pk3:maps/NAME.bsp), or otherwise a
 /// `.scene.h5`. Meshes are always welded, other files if that or new objects are asked for. The tree of a scene file
 /// belongs to its objects and is dropped if they change. Throws FormatError or std::runtime_error for a bad file,
 /// beginning with `where`, and std::invalid_argument for options out of range, or for `scale` or `y_up` with a file

@@ -18,6 +18,7 @@
 
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
+#include "visibility/meshes/gzip.h"
 #include "visibility/meshes/mesh_readers.h"
 #include "visibility/meshes/polygons.h"
 #include "visibility/meshes/text.h"
@@ -78,7 +79,8 @@ MeshFile parse_obj(std::span<const std::byte> bytes) {
 }  // namespace
 
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& path) {
-  const std::string ending = lower_case(path.extension().string());
+  std::string ending = lower_case(path.extension().string());
+  if (ending == ".gz") ending = lower_case(path.stem().extension().string());
   if (ending == ".obj") return MeshFormat::obj;
   if (ending == ".ply") return MeshFormat::ply;
   if (ending == ".off") return MeshFormat::off;
@@ -88,6 +90,13 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& path) {
 
 MeshFile parse_mesh(std::span<const std::byte> bytes, MeshFormat format) {
   if (bytes.empty()) throw FormatError("is empty");
+  if (is_gzip(bytes)) {
+    const Gunzipped unpacked = gunzipped(bytes);
+    if (is_gzip(unpacked.bytes)) throw FormatError("is packed by gzip twice; unpack it by gunzip");
+    MeshFile file = parse_mesh(unpacked.bytes, format);
+    file.leave_out(unpacked.after_end, "bytes after the packed data");
+    return file;
+  }
   switch (format) {
     case MeshFormat::obj:
       return parse_obj(bytes);
@@ -104,7 +113,8 @@ MeshFile parse_mesh(std::span<const std::byte> bytes, MeshFormat format) {
 MeshFile read_mesh(const std::filesystem::path& path) {
   const std::optional<MeshFormat> format = mesh_format(path);
   if (!format) {
-    throw std::invalid_argument(path.string() + ": a mesh file ends in .obj, .ply, .off or .stl");
+    throw std::invalid_argument(path.string() +
+                                ": a mesh file ends in .obj, .ply, .off or .stl, perhaps before .gz");
   }
   const std::vector<std::byte> bytes = read_file(path);
   try {

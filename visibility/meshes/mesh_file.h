@@ -14,7 +14,7 @@
 namespace vismat {
 
 enum class MeshFormat { obj, ply, off, stl };
-/// The format that the name's ending (in any case) names; nothing for another ending.
+/// The format that the name's ending (in any case, perhaps before .gz) names; nothing for another ending.
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& path);
 
 /// Something that a file holds and a scene does not.
@@ -35,13 +35,14 @@ struct MeshFile {
 /// triangle without area, for weld to count. OBJ: positions and faces, indices from either end, lines continued by a
 /// backslash; groups, materials, lines and points are left out. PLY: text and binary of either byte order, any types
 /// and further properties, faces and triangle strips. OFF: text, with colours and so on, with and without line ends
-/// between numbers. STL: text and binary. Text may be UTF-8 or UTF-16, with any line ends.
+/// between numbers. STL: text and binary. Text may be UTF-8 or UTF-16, with any line ends, and each file packed by gzip.
 /// Points whose coordinates are not numbers or beyond 1e9 are left out if no face uses them. Throws FormatError, one line
 /// that says where (line, face or byte), for a file that is damaged, cut short or without triangles, for such points in
-/// a face, and for indices and counts that are impossible. Memory is bounded by the bytes given. O(bytes), and O(corners^2) for a polygon of at most 4096 corners.
+/// a face, and for indices and counts that are impossible. Memory is bounded by the bytes given, or by 100 times those and
+/// 16 MiB if they are packed. O(bytes), and O(corners^2) for a polygon of at most 4096 corners.
 MeshFile parse_mesh(std::span<const std::byte> bytes, MeshFormat format);
 /// The same from a file; each message begins with its path. Throws std::invalid_argument for an ending other than .obj,
-/// .ply, .off or .stl.
+/// .ply, .off or .stl, or one of them and .gz.
 MeshFile read_mesh(const std::filesystem::path& path);
 
 }  // namespace vismat
