@@ -524,7 +524,7 @@ TEST(MeshDialects, GzipIsUnpackedWithinBounds) {
   }
 }
 
-TEST(MeshDialects, ScenesTellWhatIsLeftOut) {
+TEST(MeshDialects, ScenesTellWhatIsLeftOutAndWhatIsRead) {
   const TemporaryFolder folder;
   const std::string text = texts[0] + "l 1 2\nv nan 0 0\n";
   write_file(folder / "a.obj", std::as_bytes(std::span(text)));
@@ -532,6 +532,17 @@ TEST(MeshDialects, ScenesTellWhatIsLeftOut) {
   ASSERT_EQ(scene.left_out.size(), 2u);
   EXPECT_EQ(scene.left_out[0].what, "points without a place");
   EXPECT_EQ(scene.left_out[1].what, "lines and single points");
+  for (const auto* name : {"a.glb", "a.bsp.gz", "a"}) {
+    write_file(folder / name, std::as_bytes(std::span(text)));
+    try {
+      read_any_scene(folder / name);
+      ADD_FAILURE() << name;
+    } catch (const FormatError& error) {
+      EXPECT_EQ(error.what(), std::string(folder / name) +
+                                  ": its ending names no kind of file that is read: .obj, .ply, .off or .stl "
+                                  "(also before .gz), .bsp, .pk3, .scene.h5");
+    }
+  }
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 #include "visibility/meshes/any_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "matrix/base/byte_reader.h"
@@ -34,6 +37,15 @@ void place(Scene& scene, const std::string& where, const AnySceneOptions& option
       }
     }
   }
+}
+
+/// Whether the file has neither the ending nor the first bytes of a scene file; false if there is no such file.
+bool is_of_unknown_kind(const std::string& where) {
+  const std::string ending = lower_case(std::filesystem::path(where).extension().string());
+  if (ending == ".h5" || ending == ".hdf5") return false;
+  std::ifstream file(where, std::ios::binary);
+  std::array<char, 4> first{};
+  return file && !(file.read(first.data(), first.size()) && std::string_view(first.data(), 4) == "\x89HDF");
 }
 
 SceneFile scene_of_level(const std::string& where) {
@@ -70,8 +82,15 @@ AnyScene read_any_scene(const std::string& where, const AnySceneOptions& options
       file.provenance += text;
     }
     if (options.y_up) file.provenance += ", y up";
+  } else if (is_level(where)) {
+    file = scene_of_level(where);
   } else {
-    file = is_level(where) ? scene_of_level(where) : read_scene(where);
+    if (is_of_unknown_kind(where)) {
+      throw FormatError(where +
+                        ": its ending names no kind of file that is read: .obj, .ply, .off or .stl (also "
+                        "before .gz), .bsp, .pk3, .scene.h5");
+    }
+    file = read_scene(where);
   }
   const Objects objects = options.objects.value_or(is_mesh ? Objects::components : Objects::as_given);
   if (!is_mesh && objects == Objects::as_given && options.weld == 0) return result;
