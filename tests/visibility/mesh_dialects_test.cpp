@@ -162,6 +162,8 @@ TEST(MeshDialects, FilesJoinedWithTheirMarks) {
   EXPECT_EQ(told(mark + replaced(texts[0], "\n", "\n" + mark), MeshFormat::obj), both);
   EXPECT_EQ(told(mark + replaced(texts[2], "\n", "\n" + mark), MeshFormat::off), both);
   EXPECT_EQ(told(mark + replaced(texts[3], "\n", "\n" + mark), MeshFormat::stl), both);
+  EXPECT_EQ(told(replaced(texts[0], "v 1.5", "\x1Av 1.5"), MeshFormat::obj), both);
+  EXPECT_EQ(told(replaced(texts[2], "\n1.5", "\n\x1A\n1.5"), MeshFormat::off), both);
   EXPECT_EQ(told("\xFF\xFE\0\0v\0\0\0"sv, MeshFormat::obj), "is UTF-32 text; save it as UTF-8");
   EXPECT_EQ(told("\xFF\xFEv\0 "sv, MeshFormat::obj), "is UTF-16 text that ends within a character");
 }
@@ -248,8 +250,8 @@ TEST(MeshDialects, Obj) {
         ""},
        {"lines and points", points + "l 1 2 3\np 1\nf 1 2 3\nf 2 4 3\np 2 3\n",
         " 3 lines and single points;"},
-       {"other words", points + "polygon 1 2 3\nf 1 2 3\nf 2 4 3\nV 1 2 3\n",
-        " 2 unknown lines, the first of which begins with 'polygon';"}});
+       {"other words", points + "vp 1 2\npolygon 1 2 3\nf 1 2 3\nf 2 4 3\nV 1 2 3\n",
+        " 3 lines of other kinds ('vp' first);"}});
 }
 
 TEST(MeshDialects, Off) {
@@ -491,6 +493,8 @@ TEST(MeshDialects, StripsTurnEverySecondTriangle) {
   using Indices = std::vector<std::uint32_t>;
   EXPECT_EQ(strip("5 0 1 2 3 4"), (Indices{0, 1, 2, 2, 1, 3, 2, 3, 4}));
   EXPECT_EQ(strip("10 0 1 2 3 -1 2 3 4 -1 0"), (Indices{0, 1, 2, 2, 1, 3, 2, 3, 4}));
+  text = replaced(text, "uchar int", "uchar uint");
+  EXPECT_EQ(strip("7 0 1 2 4294967295 2 3 4"), (Indices{0, 1, 2, 2, 3, 4})) << "-1 in unsigned numbers";
   EXPECT_EQ(told(text + "4 0 1 2 -2\n", MeshFormat::ply),
             "line 16: a corner's number is not a whole number from 0 to 4294967294");
   EXPECT_EQ(told(text + "3 0 1 5\n", MeshFormat::ply),

@@ -26,11 +26,12 @@
 namespace vismat {
 namespace {
 
+using namespace std::literals;
+
 /// OBJ's keywords that say nothing of where surfaces are.
-constexpr std::array<std::string_view, 24> obj_attributes = {
-    "vt",     "vn",     "s",   "g",     "o",        "usemtl",   "mtllib",     "mg",
-    "usemap", "maplib", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj",
-    "vp",     "cstype", "deg", "bmat",  "step",     "con",      "call",       "csh"};
+constexpr std::array obj_attributes = {
+    "vt"sv,     "vn"sv,     "s"sv,   "g"sv,     "o"sv,        "usemtl"sv,   "mtllib"sv,     "mg"sv,
+    "usemap"sv, "maplib"sv, "lod"sv, "bevel"sv, "c_interp"sv, "d_interp"sv, "shadow_obj"sv, "trace_obj"sv};
 
 MeshFile parse_obj(std::span<const std::byte> bytes) {
   MeshFile file;
@@ -71,7 +72,7 @@ MeshFile parse_obj(std::span<const std::byte> bytes) {
   } while (text.next_line());
   file.leave_out(polygons.unplaced(), "points without a place");
   file.leave_out(lines, "lines and single points");
-  file.leave_out(others, "unknown lines, the first of which begins with " + other);
+  file.leave_out(others, "lines of other kinds (" + other + " first)");
   file.scene = polygons.take();
   return file;
 }

@@ -145,7 +145,7 @@ void add_strips(PlyNumbers& numbers, const PlyProperty& property, std::uint64_t 
   std::uint64_t before = 0;
   for (std::uint64_t n = numbers.whole(*property.count, "a number of corners"); n > 0; --n) {
     const double value = numbers.next(property.type);
-    if (value == -1) {
+    if (value == -1 || value == 0xffffffff) {  // the same in unsigned numbers
       before = 0;
       continue;
     }

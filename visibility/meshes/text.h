@@ -64,7 +64,8 @@ class Text {
   }
 
  private:
-  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+  // DOS's end mark stands inside of files that were joined from several.
+  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r') || c == '\x1A'; }
   static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
   std::size_t after_line_end(std::size_t at) const { return at + (text_.substr(at, 2) == "\r\n" ? 2 : 1); }
   std::size_t after_line_joint() const;
