@@ -21,7 +21,8 @@ TEST_F(Program, MakesScenesOfMeshes) {
       "triangles left out\n");
   write("odd.obj", "v 0 nan 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\nl 2 3\np 2\ncall x\n");
   EXPECT_EQ(vismat_succeeds("scene odd.obj -o odd.scene.h5").out,
-            "odd.scene.h5: 1 objects, 1 triangles, 3 vertices; 1 points without a place left out; 2 lines "
+            "odd.scene.h5: 1 objects, 1 triangles, 3 vertices; 1 unused points that are not numbers within "
+            "1e9 left out; 2 lines "
             "and single "
             "points left out; 1 lines of other kinds ('call' first) left out\n");
   const std::string info = vismat("info two.scene.h5").out;

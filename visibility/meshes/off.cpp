@@ -170,7 +170,7 @@ MeshFile parse_off(std::span<const std::byte> bytes) {
     try {
       Polygons polygons = read_off(header, layout);
       MeshFile file;
-      file.leave_out(polygons.unplaced(), "points without a place");
+      file.leave_out(polygons.unplaced(), "unused points that are not numbers within 1e9");
       file.scene = polygons.take();
       return file;
     } catch (const FormatError& error) {

@@ -34,7 +34,7 @@ class StlText {
         skip_line();
       } while (word_.starts_with("end"));
     } while (!word_.empty());
-    file.leave_out(colours_, "lines of colours");
+    file.leave_out(colours_, "colour lines");
     if (polygons_.points() == 0) throw FormatError("holds no triangles");
     file.scene = polygons_.take();
     return file;
