@@ -400,6 +400,9 @@ TEST(MeshDialects, StlBinary) {
     EXPECT_EQ(told(std::string_view(plain).substr(0, size), stl).find(both), std::string::npos) << size;
   }
   for (const std::uint32_t count : {0u, 0xffffffffu}) {
+    EXPECT_EQ(told(file("CAD", count, "ab"), stl),
+              "does not say how many triangles it has, and 104 bytes after the header are no whole number of "
+              "them, each of 50");
     EXPECT_EQ(told(file("CAD", count, "").substr(0, 84), stl), "holds no triangles");
   }
 }
