@@ -21,8 +21,8 @@ inline constexpr double farthest_point = 1e9;
 /// The vertices and faces that the reader of each format fills in.
 class Polygons {
  public:
-  /// `place` names faces in messages: "line" if begin_face is given lines, "face" if it is given numbers. `point_place` does
-  /// so for points: "the point of line", "point".
+  /// `place` names faces in messages: "line" if begin_face is given lines, "face" if it is given numbers.
+  /// `point_place` does so for points: "the point of line" or "point".
   explicit Polygons(const char* place, const char* point_place = "the point of line")
       : place_(place), point_place_(point_place) {}
 
@@ -57,8 +57,8 @@ class Polygons {
 
   /// How many points take() leaves out because a coordinate is not a number within 1e9 of the origin.
   std::size_t unplaced() const { return unplaced_.size(); }
-  /// The scene, with one object, without the points that are unplaced. Throws FormatError if a face names points that do not exist or are unplaced, if
-  /// there are no faces, and so on.
+  /// The scene, with one object, without the points that are unplaced. Throws FormatError if a face names points that do
+  /// not exist or are unplaced, if there are no faces, and so on.
   Scene take();
 
  private:
