@@ -203,7 +203,7 @@ TEST(MeshDialects, NumbersOfEveryLanguage) {
 }
 
 TEST(MeshDialects, PointsWithoutAPlace) {
-  const std::string note = " 1 points without a place;";
+  const std::string note = " 1 unused points that are not numbers within 1e9;";
   const std::string first = replaced(replaced(texts[0], "f 1 2 3", "f 2 3 4"), "f 2 4 3", "f 3 5 4");
   for (const auto* word : {"nan", "-1.#IND00", "inf", "1e400", "-2e9"}) {
     const std::string point = "v 0 "s + word + " 0\n";
@@ -331,9 +331,9 @@ TEST(MeshDialects, StlText) {
            {"glued", with("solid made", "solidmade"), ""},
            {"twice", "solid made by hand\n" + texts[3] + last, ""},
            {"twice in two words", texts[3] + "end solid made by hand\n", ""},
-           {"colours", with("hand\nfacet", "hand\ncolor 0.1 0.2 0.3\nfacet"), " 1 lines of colours;"},
-           {"colours of facets", with("outer loop", "color 1 0 0\nouter loop"), " 2 lines of colours;"},
-           {"colours behind loops", with("endloop", "endloop\nCOLOR 1 0 0"), " 2 lines of colours;"},
+           {"colours", with("hand\nfacet", "hand\ncolor 0.1 0.2 0.3\nfacet"), " 1 colour lines;"},
+           {"colours of facets", with("outer loop", "color 1 0 0\nouter loop"), " 2 colour lines;"},
+           {"colours behind loops", with("endloop", "endloop\nCOLOR 1 0 0"), " 2 colour lines;"},
            {"several solids", std::string(texts[3]).insert(second, last + "solid\n"), ""},
            {"an empty solid", "solid empty made\nendsolid empty\n" + texts[3], ""},
            {"a name of keywords", with("by hand", "facet normal outer loop endsolid"), ""},
@@ -400,6 +400,9 @@ TEST(MeshDialects, StlBinary) {
     EXPECT_EQ(told(std::string_view(plain).substr(0, size), stl).find(both), std::string::npos) << size;
   }
   for (const std::uint32_t count : {0u, 0xffffffffu}) {
+    EXPECT_EQ(told(file("CAD", count, "ab"), stl),
+              "does not say how many triangles it has, and 104 bytes after the header are no whole number of "
+              "them, each of 50");
     EXPECT_EQ(told(file("CAD", count, "").substr(0, 84), stl), "holds no triangles");
   }
 }
@@ -418,7 +421,7 @@ TEST(MeshDialects, PlyHeadersAndElements) {
            {"a camera",
             replaced(with("element face", "element camera 2\nproperty float f\nelement face"), points,
                      points + "7 8\n"),
-            " 2 of PLY's element 'camera';"},
+            " 2 items of PLY's element 'camera';"},
            {"further words", texts[1] + "7 8 9\n", " 3 words after the last element;"},
            {"a strip",
             replaced(with("element face 2", "element tristrips 1"), "3 0 1 2\n3 1 3 2\n", "4 0 1 2 3\n"), ""},
@@ -534,7 +537,7 @@ TEST(MeshDialects, ScenesTellWhatIsLeftOutAndWhatIsRead) {
   write_file(folder / "a.obj", std::as_bytes(std::span(text)));
   const AnyScene scene = read_any_scene(folder / "a.obj");
   ASSERT_EQ(scene.left_out.size(), 2u);
-  EXPECT_EQ(scene.left_out[0].what, "points without a place");
+  EXPECT_EQ(scene.left_out[0].what, "unused points that are not numbers within 1e9");
   EXPECT_EQ(scene.left_out[1].what, "lines and single points");
   for (const auto* name : {"a.glb", "a.bsp.gz", "a"}) {
     write_file(folder / name, std::as_bytes(std::span(text)));

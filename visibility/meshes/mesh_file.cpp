@@ -89,7 +89,7 @@ MeshFile parse_obj(std::span<const std::byte> bytes, const MeshPlacement& placem
       if (others++ == 0) other = shown(keyword);
     }
   } while (text.next_line());
-  file.leave_out(polygons.unplaced(), "points without a place");
+  file.leave_out(polygons.unplaced(), "unused points that are not numbers within 1e9");
   file.leave_out(lines, "lines and single points");
   file.leave_out(others, "lines of other kinds (" + other + " first)");
   polygons.take(placement, file);

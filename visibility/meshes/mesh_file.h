@@ -21,7 +21,7 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& path);
 /// Something that a file holds and a scene does not.
 struct LeftOut {
   std::uint64_t count;
-  std::string what;  // "points without a place"
+  std::string what;  // "unused points that are not numbers within 1e9"
 };
 /// What a file says that a face belongs to.
 struct MeshPart {

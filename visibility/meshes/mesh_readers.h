@@ -1,4 +1,4 @@
-// The readers of the formats, for parse_mesh. Each gets the file's bytes, unpacked, and adds to `left_out` what it does not read.
+// The readers of the formats that have files of their own. Each reads as parse_mesh says, from bytes that are not packed.
 #pragma once
 #include <cstddef>
 #include <span>

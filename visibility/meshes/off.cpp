@@ -115,38 +115,35 @@ Polygons read_off(const OffHeader& header, const OffLayout& layout) {
   Polygons polygons("line");
   const auto fail = [&](const std::string& what) { text.fail(what); };
   const auto next = [&](std::uint64_t done, std::uint64_t all, const char* what) {
-    const Text before = text;
-    if (text.word().empty()) {
+    const std::string_view word = text.word();
+    if (word.empty()) {
       text.fail("the file ends after " + std::to_string(done) + " of " + std::to_string(all) + what);
     }
-    text = before;
+    return word;
   };
+  const bool of_line = layout.words_of_point == 0;
   for (std::uint64_t i = 0; i < header.points; ++i) {
-    next(i, header.points, " points");
-    Text first = text;
-    first.word();
-    const bool of_line = layout.words_of_point == 0;
     Coordinates point;
-    point.words[0] = text.word();
-    point.at[0] = text.number(point.words[0], "a coordinate");
-    for (const std::size_t axis : {1, 2}) {
-      point.words[axis] = of_line ? text.word_of_line() : text.word();
-      point.at[axis] = text.number(point.words[axis], "a coordinate");
+    std::uint64_t line = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::string_view& word = point.words[axis];
+      word = axis == 0 ? next(i, header.points, " points") : of_line ? text.word_of_line() : text.word();
+      if (axis == 0) line = text.line();
+      point.at[axis] = text.number(word, "a coordinate");
     }
     for (std::size_t more = 3; more < layout.words_of_point; ++more)
       text.number(text.word(), "a normal or colour");
-    polygons.add_point(point, first.line(), fail);
+    polygons.add_point(point, line, fail);
     if (of_line) text.next_line();
   }
   for (std::uint64_t i = 0; i < header.faces; ++i) {
-    next(i, header.faces, " faces");
-    const std::uint64_t corners = off_count(text, text.word(), "a number of corners");
+    const std::uint64_t corners = off_count(text, next(i, header.faces, " faces"), "a number of corners");
     // Where lines do not tell, numbers that are no faces must not be taken for faces of a file that is cut short.
     if (corners < 3 && layout.face != OffLayout::Face::line) text.fail("a face of less than three corners");
     polygons.begin_face(text.line());
     for (std::uint64_t k = 0; k < corners; ++k) {
-      const bool of_line = layout.face == OffLayout::Face::line;
-      const std::string_view word = of_line ? text.word_of_line() : text.word();
+      const bool face_of_line = layout.face == OffLayout::Face::line;
+      const std::string_view word = face_of_line ? text.word_of_line() : text.word();
       polygons.add_corner(off_count(text, word, "a point's number"));
     }
     if (layout.face != OffLayout::Face::any_lines) text.next_line();
@@ -173,7 +170,7 @@ MeshFile parse_off(std::span<const std::byte> bytes, const MeshPlacement& placem
     try {
       Polygons polygons = read_off(header, layout);
       MeshFile file;
-      file.leave_out(polygons.unplaced(), "points without a place");
+      file.leave_out(polygons.unplaced(), "unused points that are not numbers within 1e9");
       polygons.take(placement, file);
       return file;
     } catch (const FormatError& error) {

@@ -242,7 +242,7 @@ MeshFile parse_ply(std::span<const std::byte> bytes, const MeshPlacement& placem
   MeshFile file;
   for (const PlyElement& element : elements) {
     if (element.name != "vertex" && element.name != "face" && element.name != "tristrips") {
-      file.leave_out(element.count, "of PLY's element " + shown(element.name));
+      file.leave_out(element.count, "items of PLY's element " + shown(element.name));
     }
     for (std::uint64_t i = 0; i < element.count; ++i) {
       Coordinates point;
@@ -277,7 +277,7 @@ MeshFile parse_ply(std::span<const std::byte> bytes, const MeshPlacement& placem
   } else {
     file.leave_out(numbers.left(), "bytes after the last element");
   }
-  file.leave_out(polygons.unplaced(), "points without a place");
+  file.leave_out(polygons.unplaced(), "unused points that are not numbers within 1e9");
   polygons.take(placement, file);
   return file;
 }

@@ -24,8 +24,8 @@ inline constexpr double farthest_point = 1e9;
 /// The vertices and faces that the reader of each format fills in.
 class Polygons {
  public:
-  /// `place` names faces in messages: "line" if begin_face is given lines, "face" if it is given numbers. `point_place` does
-  /// so for points: "the point of line", "point".
+  /// `place` names faces in messages: "line" if begin_face is given lines, "face" if it is given numbers.
+  /// `point_place` does so for points: "the point of line" or "point".
   explicit Polygons(const char* place, const char* point_place = "the point of line")
       : place_(place), point_place_(point_place) {}
 

@@ -34,7 +34,7 @@ class StlText {
         skip_line();
       } while (word_.starts_with("end"));
     } while (!word_.empty());
-    file.leave_out(colours_, "lines of colours");
+    file.leave_out(colours_, "colour lines");
     if (polygons_.points() == 0) throw FormatError("holds no triangles");
     polygons_.take(placement_, file);
     return file;
@@ -130,7 +130,13 @@ MeshFile parse_binary_stl(std::span<const std::byte> bytes, const MeshPlacement&
   std::uint64_t triangles = number_at<std::uint32_t>(bytes, stl_header - 4);
   const std::size_t left = bytes.size() - stl_header;
   // Exporters that cannot go back to the header leave 0 or 0xffffffff there.
-  if ((triangles == 0 || triangles == 0xffffffff) && left % stl_record == 0) triangles = left / stl_record;
+  if (triangles == 0 || triangles == 0xffffffff) {
+    if (left % stl_record != 0) {
+      throw FormatError("does not say how many triangles it has, and " + std::to_string(left) +
+                        " bytes after the header are no whole number of them, each of 50");
+    }
+    triangles = left / stl_record;
+  }
   if (triangles == 0) throw FormatError("holds no triangles");
   const std::uint64_t need = triangles * stl_record;
   if (left < need) {

@@ -134,7 +134,7 @@ std::string_view Text::word_of_line() {
     if (at_ == text_.size() || is_line_end(text_[at_])) return {};
     if (text_[at_] == comment_) {
       at_ = end_of_line();
-    } else if (const std::size_t next = continued_ ? after_line_joint() : at_; next != at_) {
+    } else if (const std::size_t next = after_line_joint(); next != at_) {
       at_ = next;
       ++line_;
     } else if (is_space(text_[at_])) {
@@ -145,15 +145,13 @@ std::string_view Text::word_of_line() {
   }
   const std::size_t first = at_;
   while (at_ < text_.size() && !is_space(text_[at_]) &&
-         (text_[at_] != comment_ || is_windows_number(text_, at_)) &&
-         !(continued_ && after_line_joint() != at_)) {
+         (text_[at_] != comment_ || is_windows_number(text_, at_)) && after_line_joint() == at_) {
     ++at_;
   }
   return text_.substr(first, at_ - first);
 }
 
-std::size_t Text::after_line_joint() const {
-  if (text_[at_] != '\\') return at_;
+std::size_t Text::after_backslash() const {
   const std::size_t end = text_.find_first_not_of(" \t", at_ + 1);
   return end != std::string_view::npos && is_line_end(text_[end]) ? after_line_end(end) : at_;
 }

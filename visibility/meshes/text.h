@@ -68,8 +68,9 @@ class Text {
   static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r') || c == '\x1A'; }
   static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
   std::size_t after_line_end(std::size_t at) const { return at + (text_.substr(at, 2) == "\r\n" ? 2 : 1); }
-  std::size_t after_line_joint() const;
-  bool is_comment() const;
+  /// Behind the backslash and the line end if the line is continued here, otherwise here.
+  std::size_t after_line_joint() const { return continued_ && text_[at_] == '\\' ? after_backslash() : at_; }
+  std::size_t after_backslash() const;
   std::string_view text_;
   char comment_;
   bool continued_;
