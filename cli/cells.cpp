@@ -1,17 +1,21 @@
 // vismat cells: makes view cells for a scene.
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "cli/cells_options.h"
+#include "cli/summary.h"
 #include "cli/verbs.h"
 #include "matrix/base/parallel.h"
 #include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/any_scene.h"
+#include "visibility/meshes/level_faces.h"
 #include "visibility/rays/aimed_rays.h"
 #include "visibility/scene_file.h"
 
@@ -54,12 +58,24 @@ VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const 
   };
 }
 
+/// The area that the cells take as seen from above; boxes that stand above one another count once each, in m2.
+double area_in_plan(const ViewCells& cells) {
+  double area = 0;
+  for (std::size_t c = 0; c < cells.corners.size(); c += 3) {
+    const glm::dvec3 p = cells.corners[c + 1] - cells.corners[c], q = cells.corners[c + 2] - cells.corners[c];
+    area += std::abs(p.x * q.y - p.y * q.x) / 2;
+  }
+  for (const Box& box : cells.boxes) area += double{box.high[0] - box.low[0]} * (box.high[1] - box.low[1]);
+  return area;
+}
+
 void run_cells(const CellsArguments& arguments) {
   if (!(arguments.resize > 0 && arguments.resize <= 1000)) {
     throw std::invalid_argument("--resize must be above 0 and at most 1000");
   }
-  const CellsChoice choice = parse_cells(arguments.cells);
+  parse_cells(arguments.cells);  // refuses what cannot be before the scene is read
   SceneFile file = read_any_scene(arguments.scene).file;
+  const CellsChoice choice = parse_cells(arguments.cells, file.origin);
   const RayCaster caster(file.scene);
   const AimedRays rays(file.scene, caster);
   std::optional<LevelsOfDetail> drawn;
@@ -83,7 +99,12 @@ void run_cells(const CellsArguments& arguments) {
   file.provenance += made;
   write_scene(arguments.output, file);
   std::fputs(chosen.table.c_str(), stdout);
-  std::printf("%s: %u view cells\n", arguments.output.c_str(), file.cells.count());
+  std::printf("%s: %u view cells over %.4g m2 of the plan\n", arguments.output.c_str(), file.cells.count(),
+              area_in_plan(file.cells));
+  if (const int up = axis_of_level_faces(file.scene); up != 2) {
+    line("note", std::string("most level faces of the scene look along ") + "xyz"[up] +
+                     ", not z: view cells may stand on walls; vismat scene --up y turns a mesh");
+  }
 }
 
 }  // namespace
@@ -97,7 +118,9 @@ void add_cells_options(const Verb& verb, CellsWords& words) {
       "visible from them, at most LEVELS times");
   verb.option(
       "--region", words.region,
-      "Where view cells may be: x,y,z,x,y,z, the low corner and the high one (default: the scene's bounds)");
+      "Where view cells may be: x,y,z,x,y,z, the low corner and the high one (default: the scene's bounds). "
+      "Boxes of a grid become evenly smaller so that they end with the region; those of an octree are cut "
+      "there");
   verb.option("--from", words.from,
               "A point x,y,z from which viewers come; may be given several times (default: the sky, or the "
               "largest piece of ground)")

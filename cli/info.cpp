@@ -27,6 +27,8 @@
 namespace vismat::cli {
 namespace {
 
+constexpr std::size_t most_names = 10;  // that are shown
+
 void print_tree(const char* what, const ObjectTree& tree) {
   std::uint32_t leaves = 0, depth = 0, widest = 0;
   std::vector<std::uint32_t> depths(tree.size(), 0);
@@ -63,6 +65,9 @@ void print_source_map(const SourceMap& source) {
     if (there) names += (names.empty() ? "" : ", ") + std::string(what);
   }
   if (!names.empty()) line("names of", names);
+  for (std::size_t i = 0; i < std::min<std::size_t>(source.column_names.size(), most_names); ++i) {
+    line("", "column " + std::to_string(i) + ": " + source.column_names[i]);
+  }
   if (!source.column_levels.empty()) line("columns are", "levels of detail of objects");
   if (source.row_tree) print_tree("tree over rows", *source.row_tree);
   if (!source.tree) return line("tree", "none");
@@ -104,7 +109,13 @@ void print_dataset(const Dataset& dataset) {
 void print_scene(const SceneFile& file) {
   line("vertices", grouped(file.scene.vertices.size()));
   line("triangles", grouped(file.scene.indices.size() / 3));
-  line("objects", grouped(file.scene.object_count));
+  line("objects", grouped(file.scene.object_count) + (file.scene.object_names.empty() ? "" : ", with names"));
+  for (std::size_t i = 0; i < std::min<std::size_t>(file.scene.object_names.size(), most_names); ++i) {
+    line(i == 0 ? "names" : "", std::to_string(i) + " " + file.scene.object_names[i]);
+  }
+  if (file.scene.object_names.size() > most_names) line("", "...");
+  print_extent(file);
+  if (file.opacity_unknown) line("see-through", "unknown: every surface of the file is taken as opaque");
   if (!file.scene.see_through.empty()) {
     line("see-through", grouped(see_through_objects(file.scene)) + " objects");
   }

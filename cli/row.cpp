@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/summary.h"
 #include "cli/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/rows/pairs.h"
@@ -20,7 +21,7 @@ namespace {
 struct RowOptions {
   std::filesystem::path in;
   std::uint32_t row = 0;
-  bool as_stored = false, runs = false;
+  bool as_stored = false, runs = false, names = false;
 };
 
 void run_row(const RowOptions& options) {
@@ -57,7 +58,19 @@ void run_row(const RowOptions& options) {
       std::printf("%u %u\n", first, first + count - 1);
     });
   } else {
-    for (const std::uint32_t id : ids) std::printf("%u\n", id);
+    const std::vector<std::string>& names = reader.source().column_names;
+    if (options.names && (names.empty() || options.as_stored)) {
+      throw std::invalid_argument(
+          options.in.string() +
+          (names.empty() ? ": its columns have no names" : ": names are those of the source, not as stored"));
+    }
+    for (const std::uint32_t id : ids) {
+      if (options.names) {
+        std::printf("%u %s\n", id, printable(names[id]).c_str());
+      } else {
+        std::printf("%u\n", id);
+      }
+    }
   }
   const RowSource::Cost cost = reader.cost(row);
   std::fprintf(stderr, "row %u: %zu of %u visible, %llu bytes", options.row, ids.size(),
@@ -75,8 +88,10 @@ void add_row(Program& program) {
   verb.option("ROW", options->row, "The number of the row; 0 is the first").required();
   verb.flag("--as-stored", options->as_stored,
             "Number rows and columns as in the .vmat file, not as in its source");
-  verb.flag("--runs", options->runs,
-            "Print one line for each run of column numbers, the first and the last, not one for each number");
+  const Option runs = verb.flag(
+      "--runs", options->runs,
+      "Print one line for each run of column numbers, the first and the last, not one for each number");
+  verb.flag("--names", options->names, "Print the name of each column behind its number").excludes(runs);
   verb.example("vismat row city32.vmat 17");
   verb.runs([options] { run_row(*options); });
 }

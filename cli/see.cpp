@@ -92,6 +92,7 @@ std::uint32_t checksum_of(const SceneFile& file) {
 struct Output {
   Dataset all;  // all but the matrix
   const SeeArguments& arguments;
+  bool opacity_unknown = false;
 
   void write(const std::string& path, const VisibilityMatrix& matrix, Guarantee guarantee,
              const Sight& sight) const {
@@ -108,9 +109,10 @@ struct Output {
     if (dataset.source.tree && !arguments.objects) dataset = over_nodes(dataset);
     write_dataset(path, dataset);
     const Shape shape = dataset.matrix.shape();
-    std::printf("%s: %s view cells x %s %ss, %.2f %% visible, %s\n", path.c_str(),
+    std::printf("%s: %s view cells x %s %ss, %.2f %% visible, %s%s\n", path.c_str(),
                 grouped(shape.rows).c_str(), grouped(shape.columns).c_str(), dataset.columns_are.c_str(),
-                100 * dataset.matrix.density(), std::string(to_string(guarantee)).c_str());
+                100 * dataset.matrix.density(), std::string(to_string(guarantee)).c_str(),
+                opacity_unknown && guarantee != Guarantee::aggressive ? " if every surface is opaque" : "");
   }
 };
 
@@ -161,9 +163,10 @@ void run_see(const SeeArguments& arguments) {
   const auto runner = make_job_runner(arguments.options.threads);
   const Producer& producer = producer_named(arguments.producer);
   check_options(arguments, producer);
-  const CellsChoice choice = parse_cells(arguments.cells);
-  const std::string made = producer.describe(arguments.options), chosen = describe(choice);
+  parse_cells(arguments.cells);  // refuses what cannot be before the scene is read
   SceneFile file = read_any_scene(arguments.scene).file;
+  const CellsChoice choice = parse_cells(arguments.cells, file.origin);
+  const std::string made = producer.describe(arguments.options), chosen = describe(choice);
   if (arguments.nodes && !file.tree) {
     throw std::invalid_argument(arguments.scene + ": has no tree, so --nodes cannot be; use --objects");
   }
@@ -185,6 +188,8 @@ void run_see(const SeeArguments& arguments) {
   output.all.column_bounds = object_bounds(file.scene);
   output.all.row_neighbours = file.cells.neighbours;
   output.all.source.tree = std::move(file.tree);
+  output.all.source.column_names = file.scene.object_names;
+  output.opacity_unknown = file.opacity_unknown;
   output.write(arguments.output, producer.listed(sight), producer.guarantee, sight);
   if (!arguments.seen.empty()) output.write(arguments.seen, sight.seen, Guarantee::aggressive, sight);
   if (producer.guarantee == Guarantee::aggressive) {

@@ -1,7 +1,10 @@
 #include "cli/summary.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
+
+#include "visibility/meshes/level_faces.h"
 
 namespace vismat::cli {
 
@@ -48,6 +51,31 @@ void print_loss(const Loss& loss) {
   line("worst view cell", std::to_string(worst) + ": " + grouped(loss.rows[worst].added) +
                               " entries added to " + grouped(loss.rows[worst].visible) +
                               formatted("; %.3f %% of its occlusions are lost", 100 * loss.lost_in(worst)));
+}
+
+void print_extent(const SceneFile& file) {
+  const Scene& scene = file.scene;
+  if (scene.object_of_triangle.empty()) return;
+  const Box bounds = bounds_of(scene);
+  std::string low, high, size;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const char* comma = axis == 0 ? "" : ", ";
+    low += comma + formatted("%.10g", bounds.low[axis] + file.origin[axis]);
+    high += comma + formatted("%.10g", bounds.high[axis] + file.origin[axis]);
+    size += (axis == 0 ? "" : " x ") + formatted("%.4g", double{bounds.high[axis]} - bounds.low[axis]);
+  }
+  line("bounds", "(" + low + ") to (" + high + ")");
+  line("size", size + " m (x, y, z)");
+  if (file.origin != std::array<double, 3>{}) {
+    line("origin", formatted("(%.10g, %.10g, %.10g)", file.origin[0], file.origin[1], file.origin[2]) +
+                       ", which is (0, 0, 0) in the scene file");
+  }
+  const int up = axis_of_level_faces(scene);
+  line("level faces",
+       std::string("most look along ") + "xyz"[up] +
+           (up == 2 ? ""
+                    : std::string("; the scene should have z up") +
+                          (up == 1 ? ": vismat scene --up y turns a mesh that has y up" : "")));
 }
 
 }  // namespace vismat::cli

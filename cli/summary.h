@@ -9,7 +9,7 @@
 
 #include "matrix/deltas.h"
 #include "matrix/loss.h"
-#include "visibility/scene.h"
+#include "visibility/scene_file.h"
 
 namespace vismat::cli {
 
@@ -31,6 +31,10 @@ std::uint64_t see_through_objects(const Scene& scene);  // how many
 
 /// What the boundaries are, in words: "6 331 between 2 415 view cells, 1 from outside".
 std::string summary_of(std::span<const Boundary> boundaries);
+
+/// Prints the scene's bounds and origin in the coordinates of the file that it was made from, its size, and which way up it
+/// probably is.
+void print_extent(const SceneFile& file);
 
 /// Prints how many entries were added, and to which view cell the most.
 void print_loss(const Loss& loss);

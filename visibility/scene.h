@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "matrix/dataset.h"
@@ -18,6 +19,8 @@ struct Scene {
   std::uint32_t object_count = 0;
   /// For each object 1 if it hides nothing, such as glass and grates, otherwise 0; empty if all are opaque.
   std::vector<std::uint8_t> see_through;
+  /// For each object its name, in UTF-8; empty if objects have none.
+  std::vector<std::string> object_names;
 };
 
 template <typename Point = glm::vec3>

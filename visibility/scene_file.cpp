@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
 #include "matrix/files/hdf5_file.h"
+#include "matrix/files/hdf5_names.h"
 
 namespace vismat {
 namespace {
@@ -112,16 +115,45 @@ Scene scene_from(const Hdf5File& file) {
                                        std::to_string(scene.object_count) + " objects");
     }
   }
+  scene.object_names = read_names(file, "/scene/object_names");
+  if (!scene.object_names.empty() && scene.object_names.size() != scene.object_count) {
+    refuse("/scene/object_names", std::to_string(scene.object_names.size()) +
+                                      " names; need one for each of " + std::to_string(scene.object_count) +
+                                      " objects");
+  }
   return scene;
+}
+
+std::array<double, 3> origin_from(const Hdf5File& file) {
+  std::array<double, 3> origin{};
+  const std::optional<std::string> text = file.string_attribute("/scene", "origin");
+  if (!text) return origin;
+  const char *at = text->data(), *end = at + text->size();
+  for (double& x : origin) {
+    const auto [after, error] = std::from_chars(at, end, x);
+    if (error != std::errc() || !(std::abs(x) <= 1e15))
+      refuse("/scene", "origin must be three numbers, x,y,z");
+    at = std::min(after + 1, end);
+  }
+  return origin;
+}
+
+std::string text_of(const std::array<double, 3>& origin) {
+  std::array<char, 100> text;
+  std::snprintf(text.data(), text.size(), "%.17g,%.17g,%.17g", origin[0], origin[1], origin[2]);
+  return text.data();
 }
 
 ViewCells cells_from(const Hdf5File& file) {
   ViewCells cells;
-  cells.corners = read_points(file, "/cells/corners");
+  if (!file.contains("/cells/corners") && !file.contains("/cells/boxes")) return cells;
+  if (file.contains("/cells/corners")) cells.corners = read_points(file, "/cells/corners");
   if (cells.corners.size() % 3 != 0) {
     refuse("/cells/corners", std::to_string(cells.corners.size()) + " points; need three a cell");
   }
-  const std::vector<float> eyes = file.read<float>("/cells/eye_heights");
+  const std::vector<float> eyes = file.contains("/cells/eye_heights") || cells.prisms() > 0
+                                      ? file.read<float>("/cells/eye_heights")
+                                      : std::vector{cells.eye_low, cells.eye_high};
   if (eyes.size() != 2 || !(eyes[0] >= -farthest && eyes[0] <= eyes[1] && eyes[1] <= farthest)) {
     refuse("/cells/eye_heights", "need two heights within 1e9 m of the ground, the lower first");
   }
@@ -165,6 +197,8 @@ SceneFile read_scene(const std::filesystem::path& path) {
     }
     result.provenance = file.string_attribute("/scene", "provenance").value_or("");
     result.seed = file.number_attribute("/scene", "seed");
+    result.origin = origin_from(file);
+    result.opacity_unknown = file.number_attribute("/scene", "opacity_unknown").value_or(0) != 0;
     return result;
   } catch (const FormatError& error) {
     throw FormatError(path.string() + ": " + error.what());
@@ -190,6 +224,10 @@ void write_scene(const std::filesystem::path& path, const SceneFile& contents) {
     file.write_attribute("/scene", "object_count", std::uint64_t{scene.object_count});
     file.write_attribute("/scene", "provenance", contents.provenance);
     if (contents.seed) file.write_attribute("/scene", "seed", *contents.seed);
+    write_names(file, "/scene/object_names", scene.object_names);
+    if (contents.origin != std::array<double, 3>{})
+      file.write_attribute("/scene", "origin", text_of(contents.origin));
+    if (contents.opacity_unknown) file.write_attribute("/scene", "opacity_unknown", std::uint64_t{1});
     write_points(file, "/cells/corners", cells.corners);
     file.write<float>("/cells/eye_heights", std::array{cells.eye_low, cells.eye_high}, {2});
     if (!cells.boxes.empty()) {

@@ -10,6 +10,7 @@
 
 #include "matrix/base/byte_reader.h"
 #include "matrix/files/binsparse_matrix.h"
+#include "matrix/files/hdf5_names.h"
 
 namespace vismat {
 namespace {
@@ -164,29 +165,6 @@ void write_tree(Hdf5File& file, const std::string& group, const std::optional<Ob
 constexpr const char* row_names_array = "/vismat/row_names";
 constexpr const char* column_names_array = "/vismat/column_names";
 constexpr const char* column_levels_array = "/vismat/column_levels";
-
-std::vector<std::string> read_names(const Hdf5File& file, const std::string& name) {
-  if (!file.contains(name)) return {};
-  const std::vector<std::uint8_t> bytes = file.read<std::uint8_t>(name);
-  if (bytes.empty() || bytes.back() != 0) refuse_array(name, "must be names with a zero byte behind each");
-  std::vector<std::string> names;
-  for (auto at = bytes.begin(); at != bytes.end();) {
-    const auto end = std::find(at, bytes.end(), std::uint8_t{0});
-    names.emplace_back(at, end);
-    at = end + 1;
-  }
-  return names;
-}
-
-void write_names(Hdf5File& file, const std::string& name, const std::vector<std::string>& names) {
-  if (names.empty()) return;
-  std::vector<std::uint8_t> bytes;
-  for (const std::string& n : names) {
-    bytes.insert(bytes.end(), n.begin(), n.end());
-    bytes.push_back(0);
-  }
-  file.write<std::uint8_t>(name, bytes, {bytes.size()});
-}
 
 std::vector<ObjectLevel> read_levels(const Hdf5File& file) {
   const std::string name = column_levels_array;

@@ -19,6 +19,12 @@ TEST_F(Program, MakesScenesOfMeshes) {
       vismat_succeeds("scene two.obj --scale 0.01 --up y -o two.scene.h5").out,
       "two.scene.h5: 2 objects, 3 triangles, 7 vertices; 1 triangles without area left out; 1 duplicate "
       "triangles left out\n");
+  write("odd.obj", "v 0 nan 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\nl 2 3\np 2\ncall x\n");
+  EXPECT_EQ(vismat_succeeds("scene odd.obj -o odd.scene.h5").out,
+            "odd.scene.h5: 1 objects, 1 triangles, 3 vertices; 1 unused points that are not numbers within "
+            "1e9 left out; 2 lines "
+            "and single "
+            "points left out; 1 lines of other kinds ('call' first) left out\n");
   const std::string info = vismat("info two.scene.h5").out;
   EXPECT_TRUE(contains(info, "two.obj, 0.01 m a unit, y up, objects are connected components")) << info;
   EXPECT_EQ(vismat("scene two.scene.h5 --objects one-a-triangle -o three.scene.h5").out,
@@ -26,7 +32,10 @@ TEST_F(Program, MakesScenesOfMeshes) {
   const auto refuses = [&](const std::string& words, const std::string& why) {
     expect_refusal("scene " + words + " -o none.scene.h5", why);
   };
-  refuses("bad.obj", "bad.obj: line 3: a coordinate is not a number within 1e9 of the origin");
+  refuses("bad.obj",
+          "bad.obj: line 4: uses the point of line 3, where 'nan' is not a number within 1e9 of the origin");
+  write("two.glb", "glTF");
+  refuses("two.glb", "two.glb: its ending names no kind of file that is read: .obj, .ply");
   refuses("flat.OBJ", "flat.OBJ: none of its 1 triangles has an area");
   refuses("two.obj --scale 1e30", "two.obj: a coordinate is farther than 1e9 m");
   refuses("two.obj --scale -1", "a scene's scale is a number above 0");

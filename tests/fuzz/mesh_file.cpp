@@ -14,7 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   try {
     Scene scene =
-        parse_mesh(std::as_bytes(std::span(data, size).subspan(1)), static_cast<MeshFormat>(data[0] % 4));
+        parse_mesh(std::as_bytes(std::span(data, size).subspan(1)), static_cast<MeshFormat>(data[0] % 4))
+            .scene;
     if (scene.object_count != 1 || scene.indices.size() != 3 * scene.object_of_triangle.size()) std::abort();
     const std::size_t triangles = scene.object_of_triangle.size(), vertices = scene.vertices.size();
     const WeldCounts counts = weld(scene, size % 2 == 0 ? 0.0f : 0.5f);

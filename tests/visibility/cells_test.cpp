@@ -161,6 +161,36 @@ TEST(GridCells, MayBeFlat) {
   EXPECT_EQ(cells.boxes[0], (Box{{-2, -2, 1.7f}, {0, 0, 1.7f}}));
 }
 
+TEST(GridCells, EndWithTheirRegion) {
+  GridCellsOptions options;
+  options.size = {2, 2, 2};
+  options.region = {{-2, -2, 0}, {3, 3, 3}};
+  const ViewCells cells = make_grid_cells(hollow(1), options);
+  Box all = cells.boxes[0];
+  for (const Box& box : cells.boxes) {
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      all.low[axis] = std::min(all.low[axis], box.low[axis]);
+      all.high[axis] = std::max(all.high[axis], box.high[axis]);
+      EXPECT_NEAR(box.high[axis] - box.low[axis], axis == 2 ? 1.5 : 5. / 3, 1e-5);  // evenly smaller
+    }
+  }
+  EXPECT_EQ(all, *options.region);
+}
+
+TEST(OctreeCells, AreCutWhereTheirRegionEnds) {
+  OctreeCellsOptions options;
+  options.levels = 3;
+  options.threshold = 0;
+  options.region = {{-2, -2, 0}, {3, 3, 2}};
+  const auto one = [](const ViewCells& cells) { return std::vector<std::uint64_t>(cells.count(), 1); };
+  for (const Box& box : make_octree_cells(hollow(1), one, options).cells.boxes) {
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      EXPECT_LE(box.high[axis], options.region->high[axis]);
+      EXPECT_GT(box.high[axis], box.low[axis]);
+    }
+  }
+}
+
 TEST(GridCells, TheSameForAnyNumberOfThreads) {
   GridCellsOptions options;
   options.size = {0.3f, 0.3f, 0.3f};

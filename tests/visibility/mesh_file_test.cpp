@@ -27,7 +27,7 @@ namespace {
 using namespace std::literals;
 
 Scene parse(std::string_view text, MeshFormat format) {
-  return parse_mesh(std::as_bytes(std::span(text)), format);
+  return parse_mesh(std::as_bytes(std::span(text)), format).scene;
 }
 
 std::string refusal(std::string_view text, MeshFormat format) {
@@ -173,7 +173,7 @@ TEST(MeshFile, ReadsWhatOpenMeshWrites) {
                                   {"text.stl", Options::Default},
                                   {"binary.stl", Options::Binary}}) {
     ASSERT_TRUE(OpenMesh::IO::write_mesh(mesh, folder / name, how, 9));
-    Scene read = read_mesh(folder / name);
+    Scene read = read_mesh(folder / name).scene;
     EXPECT_EQ(triangles_of(read), triangles_of(city)) << name;
     const WeldCounts counts = weld(read);
     EXPECT_EQ(read.vertices.size(), city.vertices.size()) << name;
@@ -223,11 +223,12 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Bad{"Empty", obj, "", "is empty"}, Bad{"Blank", obj, "\n\n", "holds no points"},
         Bad{"NoFaces", obj, triangle, "holds 3 points but no faces"},
-        Bad{"NanPoint", obj, "v 0 nan 0\n", "line 1: a coordinate is not a number within 1e9 of the origin"},
-        Bad{"EndlessPoint", obj, "v 0 0 -inf\n",
-            "line 1: a coordinate is not a number within 1e9 of the origin"},
-        Bad{"FarPoint", obj, "v 0 0 1e400\n",
-            "line 1: a coordinate is not a number within 1e9 of the origin"},
+        Bad{"NanPoint", obj, "v 0 nan 0\nf 1 1 1\n",
+            "line 2: uses the point of line 1, where 'nan' is not a number within 1e9 of the origin"},
+        Bad{"EndlessPoint", obj, "v 0 0 -inf\nf 1 1 1\n",
+            "line 2: uses the point of line 1, where '-inf' is not a number within 1e9 of the origin"},
+        Bad{"FarPoint", obj, "v 0 0 1e400\nf 1 1 1\n",
+            "line 2: uses the point of line 1, where '1e400' is not a number within 1e9 of the origin"},
         Bad{"PointOfTwo", obj, "v 0 0\n", "line 1: ends where a coordinate is due"},
         Bad{"PointOfWords", obj, "\nv 0 zero 0\n", "line 2: 'zero' stands where a coordinate is due"},
         Bad{"NoSuchPoint", obj, triangle + "f 1 2 4\n",
@@ -243,9 +244,9 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"FreeForm", obj, triangle + "surf 0 1 0 1 1 2 3\n",
             "line 4: holds free-form curves or surfaces; export polygons"},
         Bad{"Unprintable", obj, "v 0 \x1b[2J 0\n", "line 1: '?[2J' stands where a coordinate is due"},
-        Bad{"OffMagic", off, "3 1 0\n",
-            "line 1: begins with '3'; need OFF (or COFF, NOFF, CNOFF, STOFF) with points of three "
-            "coordinates"},
+        Bad{"OffMagic", off, "OOF\n3 1 0\n",
+            "line 1: begins with 'OOF'; need OFF (or COFF, NOFF, STOFF, NCOFF and so on) with points of "
+            "three coordinates"},
         Bad{"OffBinary", off, "OFF BINARY\n", "line 1: is a binary OFF file; only text is read"},
         Bad{"OffThinAir", off, "OFF\n4000000000 1 0\n0 0 0\n",
             "line 4: the file ends after 1 of 4000000000 points"},
@@ -263,7 +264,7 @@ INSTANTIATE_TEST_SUITE_P(
             "has 1 bytes; an STL file begins with the word solid or with 80 bytes and a number of triangles"},
         Bad{"StlLies", stl, std::string(80, 'x') + bytes_of(1000000u) + std::string(50, '\0'),
             "says that it has 1000000 triangles, which take 50000084 bytes; it has 134"},
-        Bad{"StlNone", stl, std::string(80, 'x') + bytes_of(0u), "holds no points"},
+        Bad{"StlNone", stl, std::string(80, 'x') + bytes_of(0u), "holds no triangles"},
         Bad{"StlNan", stl,
             std::string(80, 'x') +
                 bytes_of(1u, 0.f, 0.f, 0.f, 0.f, 0.f, std::numeric_limits<float>::quiet_NaN()) +
@@ -301,7 +302,10 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"PlyNoSuchPoint", MeshFormat::ply, ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
             "face 0: names a point that is not among the 3 of the file"},
         Bad{"PlyNan", MeshFormat::ply, ply + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n",
-            "line 11: a coordinate is not a number within 1e9 of the origin"},
+            "face 0: uses the point of line 11, where 'nan' is not a number within 1e9 of the origin"},
+        Bad{"PlyBinaryNan", MeshFormat::ply,
+            binary_ply + bytes_of(0.f, -std::numeric_limits<float>::infinity(), 0.f, 1, 0),
+            "face 0: uses point 0, where -inf is not a number within 1e9 of the origin"},
         Bad{"PlyHugeFace", MeshFormat::ply, binary_ply + bytes_of(0.f, 0.f, 0.f, 2000000000, 0, 0),
             "its numbers: at byte 24: needs 4 more bytes, but only 0 are left"}),
     [](const testing::TestParamInfo<Bad>& test) { return test.param.name; });
@@ -420,7 +424,7 @@ TEST(AnyScene, TakesLevelsAndSceneFiles) {
   EXPECT_FALSE(split.tree.has_value());
   EXPECT_EQ(split.cells.corners, city.cells.corners);
   EXPECT_EQ(split.scene.object_of_triangle, city.scene.object_of_triangle);
-  options.y_up = true;
+  options.placement.y_up = true;
   EXPECT_THROW(read_any_scene(folder / "city.scene.h5", options), std::invalid_argument);
   EXPECT_ANY_THROW(read_any_scene(folder / "no.bsp"));
 }

@@ -83,6 +83,41 @@ TEST(Scene, RoundTripOfBoxesAndOfWhatIsSeenThrough) {
   EXPECT_EQ(after.scene.see_through, before.scene.see_through);
 }
 
+TEST(Scene, RoundTripOfNamesAndOrigin) {
+  const TemporaryFolder folder;
+  SceneFile before = small_scene();
+  before.scene.object_names = {"house", "garden"};
+  before.scene.object_names.resize(before.scene.object_count);
+  before.origin = {691000.1, 5300000.25, -1e-3};
+  before.opacity_unknown = true;
+  write_scene(folder / "a.scene.h5", before);
+  const SceneFile after = read_scene(folder / "a.scene.h5");
+  EXPECT_EQ(after.scene.object_names, before.scene.object_names);
+  EXPECT_EQ(after.origin, before.origin);
+  EXPECT_TRUE(after.opacity_unknown);
+}
+
+TEST(Scene, NeedsNoViewCells) {
+  const TemporaryFolder folder;
+  write_scene(folder / "a.scene.h5", small_scene());
+  {
+    Hdf5File file = Hdf5File::create(folder / "b.scene.h5");
+    const Hdf5File full = Hdf5File::open(folder / "a.scene.h5");
+    const auto vertices = full.read<float>("/scene/vertices");
+    file.write<float>("/scene/vertices", vertices, {vertices.size() / 3, 3});
+    for (const std::string name : {"/scene/triangles", "/scene/object_of_triangle"}) {
+      const auto ids = full.read<std::uint32_t>(name);
+      file.write<std::uint32_t>(name, ids, full.dimensions(name));
+    }
+    file.write_attribute("/scene", "version", std::uint64_t{2});
+    file.write_attribute("/scene", "object_count", std::uint64_t{2});
+    file.close();
+  }
+  const SceneFile read = read_scene(folder / "b.scene.h5");
+  EXPECT_EQ(read.cells.count(), 0u);
+  EXPECT_EQ(read.scene.indices, small_scene().scene.indices);
+}
+
 TEST(Scene, ReadsVersionOne) {
   const TemporaryFolder folder;
   {
@@ -174,6 +209,7 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
 INSTANTIATE_TEST_SUITE_P(
     Each, HostileScene,
     testing::Values(
+        Hostile{"TooFewNames", [](SceneFile& f) { f.scene.object_names = {"one"}; }, "/scene/object_names"},
         Hostile{"NanVertex", [](SceneFile& f) { f.scene.vertices[4].y = nan; }, "/scene/vertices, entry 4"},
         Hostile{"EndlessVertex", [](SceneFile& f) { f.scene.vertices[5].z = -infinity; },
                 "/scene/vertices, entry 5"},

@@ -2,11 +2,12 @@
 #include "visibility/cells/cells_choice.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
+
+#include "matrix/base/number_list.h"
 
 namespace vismat {
 namespace {
@@ -18,47 +19,26 @@ constexpr const char* ways =
   throw std::invalid_argument(option + " '" + word + "': need " + right);
 }
 
-template <typename Number>
-std::optional<Number> number(std::string_view word) {
-  Number value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t end; (end = text.find(separator)) != std::string_view::npos; text.remove_prefix(end + 1)) {
-    parts.push_back(text.substr(0, end));
-  }
-  parts.push_back(text);
-  return parts;
-}
-
-/// Finite numbers within 1e9 of zero; none if some part is not.
-std::vector<float> numbers(std::string_view text) {
+std::vector<float> numbers(std::string_view text, const std::array<double, 3>& origin = {}) {
   std::vector<float> values;
-  for (const std::string_view part : split(text, ',')) {
-    const std::optional<float> value = number<float>(part);
-    if (!value || !(std::abs(*value) <= 1e9f)) return {};
-    values.push_back(*value);
-  }
+  for (const double value : number_list(text))
+    values.push_back(static_cast<float>(value - origin[values.size() % 3]));
   return values;
 }
 
-std::optional<Box> region_of(const std::string& words) {
+std::optional<Box> region_of(const std::string& words, const std::array<double, 3>& origin) {
   if (words.empty()) return std::nullopt;
-  const std::vector<float> v = numbers(words);
+  const std::vector<float> v = numbers(words, origin);
   if (v.size() != 6 || !(v[0] <= v[3] && v[1] <= v[4] && v[2] <= v[5])) {
     refuse("--region", words, "six numbers x,y,z,x,y,z: the low corner, then the high one");
   }
   return Box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
 }
 
-Viewers viewers_of(const CellsWords& words) {
+Viewers viewers_of(const CellsWords& words, const std::array<double, 3>& origin) {
   Viewers viewers;
   for (const std::string& start : words.from) {
-    const std::vector<float> v = numbers(start);
+    const std::vector<float> v = numbers(start, origin);
     if (v.size() != 3) refuse("--from", start, "a point x,y,z where a viewer starts");
     viewers.from.emplace_back(v[0], v[1], v[2]);
   }
@@ -95,10 +75,10 @@ std::string describe_place(const std::optional<Box>& region, const Viewers& view
 
 }  // namespace
 
-CellsChoice parse_cells(const CellsWords& words) {
+CellsChoice parse_cells(const CellsWords& words, const std::array<double, 3>& origin) {
   const std::vector<std::string_view> parts = split(words.cells, ':');
-  const std::optional<Box> region = region_of(words.region);
-  const Viewers viewers = viewers_of(words);
+  const std::optional<Box> region = region_of(words.region, origin);
+  const Viewers viewers = viewers_of(words, origin);
   if (parts[0] == "file" && parts.size() == 1) {
     if (region || !viewers.from.empty() || viewers.eyes) {
       throw std::invalid_argument(
@@ -121,7 +101,7 @@ CellsChoice parse_cells(const CellsWords& words) {
     if (parts.size() == 2) {
       const std::vector<float> v = numbers(parts[1]);
       if (v.size() != 1) refuse("--cells", words.cells, "the height of level ground: ground:HEIGHT");
-      ground.height = v[0];
+      ground.height = v[0] - static_cast<float>(origin[2]);
     }
     ground.region = region;
     ground.viewers.from = viewers.from;
@@ -130,8 +110,8 @@ CellsChoice parse_cells(const CellsWords& words) {
   }
   if (parts[0] == "octree" && (parts.size() == 2 || parts.size() == 3)) {
     OctreeCellsOptions octree;
-    const auto threshold = number<std::uint64_t>(parts[1]);
-    const auto levels = parts.size() == 3 ? number<unsigned>(parts[2]) : octree.levels;
+    const auto threshold = number_of<std::uint64_t>(parts[1]);
+    const auto levels = parts.size() == 3 ? number_of<unsigned>(parts[2]) : octree.levels;
     if (!threshold || !levels)
       refuse("--cells", words.cells, "whole numbers: octree:TRIANGLES or octree:TRIANGLES:LEVELS");
     octree.threshold = *threshold;

@@ -1,5 +1,6 @@
 // Makes the view cells that the options --cells, --region, --from and --eyes ask for.
 #pragma once
+#include <array>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -25,7 +26,8 @@ struct CellsWords {
 using CellsChoice = std::variant<std::monostate, GridCellsOptions, GroundCellsOptions, OctreeCellsOptions>;
 
 /// Throws std::invalid_argument, which says what was expected, for words without a meaning.
-CellsChoice parse_cells(const CellsWords& words);
+/// Coordinates are those of the file that the scene was made from; `origin` is the scene's place there (SceneFile::origin).
+CellsChoice parse_cells(const CellsWords& words, const std::array<double, 3>& origin = {});
 
 /// The choice in one line that names every parameter; equal choices give equal lines.
 std::string describe(const CellsChoice& choice);

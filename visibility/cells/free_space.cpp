@@ -272,6 +272,12 @@ CellGrid grid_over(const Box& region, const glm::vec3& size) {
   return grid;
 }
 
+void fit(CellGrid& grid, const Box& region) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    grid.size[static_cast<int>(axis)] = (double{region.high[axis]} - region.low[axis]) / grid.count[axis];
+  }
+}
+
 std::vector<std::uint8_t> reachable_cells(const Scene& scene, const CellGrid& grid, const Viewers& viewers,
                                           unsigned lines, unsigned threads) {
   if (viewers.eyes &&

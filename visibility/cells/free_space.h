@@ -27,6 +27,8 @@ struct CellGrid {
 /// The smallest grid of such boxes that starts at the region's low corner and covers it. Throws std::invalid_argument
 /// if a size is not above 0 (0 is allowed where the region is flat), or if there would be more than 2^28 boxes.
 CellGrid grid_over(const Box& region, const glm::vec3& size);
+/// Makes the boxes evenly smaller, so that they end where the region ends.
+void fit(CellGrid& grid, const Box& region);
 
 /// Where viewers start, and how they move.
 struct Viewers {

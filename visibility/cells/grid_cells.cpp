@@ -12,7 +12,8 @@
 namespace vismat {
 
 ViewCells make_grid_cells(const Scene& scene, const GridCellsOptions& options) {
-  const CellGrid grid = grid_over(options.region ? *options.region : bounds_of(scene), options.size);
+  CellGrid grid = grid_over(options.region ? *options.region : bounds_of(scene), options.size);
+  if (options.region) fit(grid, *options.region);
   const std::vector<std::uint8_t> reachable =
       reachable_cells(scene, grid, options.viewers, 2, options.threads);
   std::vector<std::pair<std::uint64_t, std::array<std::uint32_t, 3>>> kept;

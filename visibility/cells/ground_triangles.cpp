@@ -1,74 +1,23 @@
 #include "visibility/cells/ground_triangles.h"
 
-#include <geos_c.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <map>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
 
+#include "visibility/geometry/geos.h"
 #include "visibility/geometry/plane_geometry.h"
 
 namespace vismat {
 namespace {
 
-/// GEOS by its C interface, the one that stays stable between versions; frees what it hands out. For one thread.
-class Geos {
- public:
-  struct Delete {
-    GEOSContextHandle_t context;
-    void operator()(GEOSGeometry* geometry) const { GEOSGeom_destroy_r(context, geometry); }
-  };
-  using Geometry = std::unique_ptr<GEOSGeometry, Delete>;
-
-  Geos();
-  ~Geos();
-  Geos(const Geos&) = delete;
-  Geos& operator=(const Geos&) = delete;
-
-  /// Throws std::runtime_error with what GEOS says where there is no geometry.
-  Geometry own(GEOSGeometry* geometry) const;
-  /// The corners in order; the ring closes itself.
-  GEOSGeometry* ring(std::span<const glm::dvec2> corners) const;
-  GEOSGeometry* ring(const Box& box) const;
-  GEOSContextHandle_t context() const { return context_; }
-
- private:
-  GEOSContextHandle_t context_;
-  std::string error_;
-};
-
-Geos::Geos() : context_(GEOS_init_r()) {
-  GEOSContext_setErrorMessageHandler_r(
-      context_, [](const char* message, void* self) { static_cast<Geos*>(self)->error_ = message; }, this);
-}
-
-Geos::~Geos() {
-  GEOS_finish_r(context_);
-}
-
-Geos::Geometry Geos::own(GEOSGeometry* geometry) const {
-  if (geometry == nullptr) throw std::runtime_error("ground: GEOS: " + error_);
-  return {geometry, Delete{context_}};
-}
-
-GEOSGeometry* Geos::ring(std::span<const glm::dvec2> corners) const {
-  const auto count = static_cast<unsigned>(corners.size());
-  GEOSCoordSequence* points = GEOSCoordSeq_create_r(context_, count + 1, 2);
-  for (unsigned i = 0; i <= count; ++i) {
-    GEOSCoordSeq_setXY_r(context_, points, i, corners[i % count].x, corners[i % count].y);
-  }
-  return GEOSGeom_createLinearRing_r(context_, points);
-}
-
-GEOSGeometry* Geos::ring(const Box& box) const {
+GEOSGeometry* ring(const Geos& geos, const Box& box) {
   const auto &low = box.low, &high = box.high;
-  return ring(std::array<glm::dvec2, 4>{
+  return geos.ring(std::array<glm::dvec2, 4>{
       {{low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}}});
 }
 
@@ -222,8 +171,8 @@ std::vector<Triangle> triangulate(const GroundPlan& plan, double tolerance) {
 std::vector<Triangle> triangulate_around(const Box& ground, std::span<const Box> holes) {
   const Geos geos;
   std::vector<GEOSGeometry*> rings;
-  for (const Box& hole : holes) rings.push_back(geos.ring(hole));
-  return delaunay(geos, *geos.own(GEOSGeom_createPolygon_r(geos.context(), geos.ring(ground), rings.data(),
+  for (const Box& hole : holes) rings.push_back(ring(geos, hole));
+  return delaunay(geos, *geos.own(GEOSGeom_createPolygon_r(geos.context(), ring(geos, ground), rings.data(),
                                                            static_cast<unsigned>(rings.size()))));
 }
 

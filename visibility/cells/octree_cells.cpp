@@ -64,7 +64,8 @@ OctreeCells make_octree_cells(const Scene& scene, const VisibleTriangles& count,
     if (thick.low[axis] == thick.high[axis]) thick.high[axis] += side / 1024;
   }
   const std::uint32_t finest = 1u << options.levels;
-  const CellGrid grid = grid_over(thick, glm::vec3(side / static_cast<float>(finest)));
+  CellGrid grid = grid_over(thick, glm::vec3(side / static_cast<float>(finest)));
+  if (options.region) fit(grid, thick);
   std::vector<Reachable> reachable(options.levels + 1);  // by level, the root's first
   reachable.back() = {grid.count, reachable_cells(scene, grid, options.viewers, 2, options.threads)};
   for (unsigned level = options.levels; level-- > 0;) reachable[level] = coarser(reachable[level + 1]);
@@ -83,8 +84,12 @@ OctreeCells make_octree_cells(const Scene& scene, const VisibleTriangles& count,
   for (unsigned level = 0; !places.empty(); ++level) {
     const std::uint32_t step = finest >> level;
     ViewCells cells;
-    for (const Place& at : places)
-      cells.boxes.push_back(grid.box(at[0] * step, at[1] * step, at[2] * step, step));
+    for (const Place& at : places) {
+      Box& box = cells.boxes.emplace_back(grid.box(at[0] * step, at[1] * step, at[2] * step, step));
+      for (unsigned axis = 0; axis < 3 && options.region; ++axis) {
+        box.high[axis] = std::min(box.high[axis], std::max(thick.high[axis], box.low[axis]));
+      }
+    }
     const std::vector<std::uint64_t> triangles = count(cells);
     if (triangles.size() != places.size()) {
       throw std::invalid_argument("octree cells: " + std::to_string(triangles.size()) +

@@ -39,7 +39,8 @@ struct OctreeCells {
   std::vector<OctreeLevel> levels;       // the root's first, as many as were needed
 };
 
-/// Starts from the smallest cube over the region that shares its low corner. Only cells that lie at least partly in the
+/// Starts from the smallest cube over the region that shares its low corner. Where a region is given, the smallest cells
+/// are evenly smaller, so that they end with it, and larger ones are cut there. Only cells that lie at least partly in the
 /// region and that viewers can reach at least in part are counted, divided and kept. What can be reached is found on
 /// the grid of the smallest cells (by reachable_cells, which takes most of the memory: 8 lattice points for each of
 /// them); a larger cell is reachable if one of its smallest cells is. So leaves do not overlap, and cover all of the

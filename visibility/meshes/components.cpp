@@ -192,6 +192,7 @@ void split_into_components(Scene& scene) {
   }
   scene.object_count = objects;
   scene.see_through = std::move(see_through);
+  scene.object_names.clear();
 }
 
 void split_into_triangles(Scene& scene) {
@@ -202,6 +203,7 @@ void split_into_triangles(Scene& scene) {
       see_through[t] = scene.see_through[scene.object_of_triangle[t]];
     scene.see_through = std::move(see_through);
   }
+  scene.object_names.clear();
   std::iota(scene.object_of_triangle.begin(), scene.object_of_triangle.end(), 0u);
   scene.object_count = triangles;
 }

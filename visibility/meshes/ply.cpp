@@ -1,7 +1,5 @@
 // A header that describes elements, each with so many items of so many properties; then their numbers, as text or binary. What
-// is not a vertex's place or a face's corners is read over.
-#include "visibility/meshes/ply.h"
-
+// is not a vertex's place or the corners of a face or strip is read over.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "matrix/base/byte_reader.h"
+#include "visibility/meshes/mesh_readers.h"
 #include "visibility/meshes/polygons.h"
 #include "visibility/meshes/text.h"
 
@@ -62,7 +61,7 @@ class PlyNumbers {
   explicit PlyNumbers(Text& text) : reader_({}, ""), text_(&text) {}
 
   double next(PlyType type) {
-    if (text_ != nullptr) return text_->number(text_->word(), "a number");
+    if (text_ != nullptr) return text_->number(word_ = text_->word(), "a number");
     switch (type) {
       case PlyType::i8:
         return binary<std::int8_t>();
@@ -83,12 +82,15 @@ class PlyNumbers {
     }
     return 0;
   }
+  /// What next() read, as text.
+  std::string_view word() const { return word_; }
+  std::uint64_t left() const { return reader_.left(); }
   [[noreturn]] void fail(const std::string& what) const {
     if (text_ != nullptr) text_->fail(what);
     reader_.fail(what);
   }
-  std::uint64_t whole(PlyType type, const char* what) {
-    const double value = next(type);
+  std::uint64_t whole(PlyType type, const char* what) { return whole(next(type), what); }
+  std::uint64_t whole(double value, const char* what) const {
     if (!(value >= 0 && value <= static_cast<double>(most_points) && value == std::floor(value))) {
       fail(std::string(what) + " is not a whole number from 0 to 4294967294");
     }
@@ -107,6 +109,7 @@ class PlyNumbers {
   }
   ByteReader reader_;
   Text* text_ = nullptr;
+  std::string_view word_;
   bool big_ = false;
 };
 
@@ -124,7 +127,8 @@ PlyProperty ply_property(Text& text, const std::string& element) {
   if (element == "vertex" && !property.count && name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') {
     property.role = std::array{x, y, z}[name[0] - 'x'];
   }
-  if (element == "face" && property.count && (name == "vertex_indices" || name == "vertex_index")) {
+  if ((element == "face" || element == "tristrips") && property.count &&
+      (name == "vertex_indices" || name == "vertex_index")) {
     property.role = corners;
   }
   return property;
@@ -135,21 +139,39 @@ bool has(const PlyElement& element, PlyProperty::Role role) {
                        [&](const PlyProperty& property) { return property.role == role; }) == 1;
 }
 
-}  // namespace
+/// Cuts a strip into triangles, of which every second one is turned; -1 begins a new strip.
+void add_strips(PlyNumbers& numbers, const PlyProperty& property, std::uint64_t strip, Polygons& polygons) {
+  std::array<std::uint64_t, 2> last{};  // the corners of even and of odd number, which so turn by themselves
+  std::uint64_t before = 0;
+  for (std::uint64_t n = numbers.whole(*property.count, "a number of corners"); n > 0; --n) {
+    const double value = numbers.next(property.type);
+    if (value == -1 || value == 0xffffffff) {  // the same in unsigned numbers
+      before = 0;
+      continue;
+    }
+    const std::uint64_t corner = numbers.whole(value, "a corner's number");
+    if (before >= 2) {
+      polygons.begin_face(strip);
+      for (const std::uint64_t point : {last[0], last[1], corner}) polygons.add_corner(point);
+    }
+    last[before++ % 2] = corner;
+  }
+}
 
-Scene parse_ply(std::span<const std::byte> bytes) {
-  using Role = PlyProperty::Role;
-  const std::string_view characters(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  Text text(characters, '\n', false);
-  if (text.word_of_line() != "ply") text.fail("does not begin with ply");
+struct PlyHeader {
   std::string format;
   std::vector<PlyElement> elements;
+};
+
+PlyHeader ply_header(Text& text) {
+  PlyHeader header;
+  if (text.word_of_line() != "ply") text.fail("does not begin with ply");
   for (std::string_view word;;) {
     if (!text.next_line()) text.fail("the file ends before end_header");
     word = text.word_of_line();
     if (word == "end_header") break;
     if (word == "format") {
-      format = text.word_of_line();
+      header.format = text.word_of_line();
     } else if (word == "element") {
       const std::string name(text.word_of_line());
       const std::string_view number = text.word_of_line();
@@ -157,19 +179,22 @@ Scene parse_ply(std::span<const std::byte> bytes) {
       if (!(count >= 0 && count <= static_cast<double>(most_points) && count == std::floor(count))) {
         text.fail("claims " + shown(number) + " of " + shown(name) + "; at most 4294967294 are read");
       }
-      elements.push_back({name, static_cast<std::uint64_t>(count), {}});
+      header.elements.push_back({name, static_cast<std::uint64_t>(count), {}});
     } else if (word == "property") {
-      if (elements.empty()) text.fail("a property before the first element");
-      elements.back().properties.push_back(ply_property(text, elements.back().name));
+      if (header.elements.empty()) text.fail("a property before the first element");
+      header.elements.back().properties.push_back(ply_property(text, header.elements.back().name));
     }
   }
-  if (format != "ascii" && format != "binary_little_endian" && format != "binary_big_endian") {
-    text.fail("its format is " + shown(format) +
+  if (header.format != "ascii" && header.format != "binary_little_endian" &&
+      header.format != "binary_big_endian") {
+    text.fail("its format is " + shown(header.format) +
               "; ascii, binary_little_endian and binary_big_endian are read");
   }
-  text.next_line();
-  const bool is_text = format == "ascii";
-  std::uint64_t left = bytes.size() - text.offset();
+  return header;
+}
+
+void check(const std::vector<PlyElement>& elements, std::uint64_t left) {
+  using Role = PlyProperty::Role;
   for (const PlyElement& element : elements) {
     if (element.count > left || (element.count > 0 && element.properties.empty())) {
       throw FormatError("claims " + std::to_string(element.count) + " of " + shown(element.name) +
@@ -180,18 +205,51 @@ Scene parse_ply(std::span<const std::byte> bytes) {
         !(has(element, Role::x) && has(element, Role::y) && has(element, Role::z))) {
       throw FormatError("its element vertex needs one x, one y and one z");
     }
-    if (element.name == "face" && element.count > 0 && !has(element, Role::corners)) {
-      throw FormatError("its element face needs one list vertex_indices");
+    if (element.count > 0 && (element.name == "face" || element.name == "tristrips") &&
+        !has(element, Role::corners)) {
+      throw FormatError("its element " + element.name + " needs one list vertex_indices");
     }
   }
+}
+
+/// Where binary numbers begin: behind end_header and its line end. If the lines end with CR alone, LF is their first byte.
+std::size_t after_header(std::string_view characters, const Text& text) {
+  const std::size_t first = std::min(characters.find_first_of("\r\n"), characters.size());
+  const bool cr_alone = characters.substr(first, 1) == "\r" && characters.substr(first, 2) != "\r\n";
+  const std::size_t end = text.end_of_line();
+  const bool both = !cr_alone && characters.substr(end, 2) == "\r\n";
+  return std::min(end + (both ? 2 : 1), characters.size());
+}
+
+}  // namespace
+
+MeshFile parse_ply(std::span<const std::byte> bytes, const MeshPlacement& placement) {
+  using Role = PlyProperty::Role;
+  std::string storage;
+  const std::string_view characters =
+      decoded({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, storage);
+  Text text(characters, '\n', false);
+  const auto [format, elements] = ply_header(text);
+  const std::size_t start = after_header(characters, text);
+  check(elements, characters.size() - start);
+  const bool is_text = format == "ascii";
+  text = Text(without_end_mark(characters.substr(start)), '\n', false, text.line() + 1);
   PlyNumbers numbers =
-      is_text ? PlyNumbers(text) : PlyNumbers(bytes.subspan(text.offset()), format == "binary_big_endian");
-  Polygons polygons("face");
+      is_text ? PlyNumbers(text)
+              : PlyNumbers(std::as_bytes(std::span(characters.substr(start))), format == "binary_big_endian");
+  Polygons polygons("face", is_text ? "the point of line" : "point");
+  const auto fail = [&](const std::string& what) { numbers.fail(what); };
+  MeshFile file;
   for (const PlyElement& element : elements) {
+    if (element.name != "vertex" && element.name != "face" && element.name != "tristrips") {
+      file.leave_out(element.count, "items of PLY's element " + shown(element.name));
+    }
     for (std::uint64_t i = 0; i < element.count; ++i) {
-      std::array<double, 3> at{};
+      Coordinates point;
       for (const PlyProperty& property : element.properties) {
-        if (property.role == Role::corners) {
+        if (property.role == Role::corners && element.name == "tristrips") {
+          add_strips(numbers, property, i, polygons);
+        } else if (property.role == Role::corners) {
           polygons.begin_face(i);
           for (std::uint64_t n = numbers.whole(*property.count, "a number of corners"); n > 0; --n) {
             polygons.add_corner(numbers.whole(property.type, "a corner's number"));
@@ -201,15 +259,27 @@ Scene parse_ply(std::span<const std::byte> bytes) {
             numbers.next(property.type);
         } else {
           const double value = numbers.next(property.type);
-          if (property.role != Role::unused)
-            at[static_cast<int>(property.role) - static_cast<int>(Role::x)] = value;
+          if (property.role == Role::unused) continue;
+          const auto axis = static_cast<std::size_t>(property.role) - static_cast<std::size_t>(Role::x);
+          point.at[axis] = value;
+          point.words[axis] = numbers.word();
         }
       }
-      if (element.name == "vertex")
-        polygons.add_point(at, [&](const std::string& what) { numbers.fail(what); });
+      if (element.name == "vertex") {
+        polygons.add_point(point, is_text ? text.line() : polygons.points(), fail);
+      }
     }
   }
-  return polygons.take();
+  if (is_text) {
+    std::uint64_t words = 0;
+    while (!text.word().empty()) ++words;
+    file.leave_out(words, "words after the last element");
+  } else {
+    file.leave_out(numbers.left(), "bytes after the last element");
+  }
+  file.leave_out(polygons.unplaced(), "unused points that are not numbers within 1e9");
+  polygons.take(placement, file);
+  return file;
 }
 
 }  // namespace vismat

@@ -1,110 +1,136 @@
-// ALGORITHM. Polygons are cut into triangles by ears: a corner that turns left and whose triangle no other corner touches is cut
-// off, in the plane of the polygon's Newell normal. Corners on a straight line wait until they end a proper triangle, so
-// that no triangle without area stands for a neighbour's vertex on the edge. A polygon that crosses itself is cut anyhow.
 #include "visibility/meshes/polygons.h"
 
-#include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <limits>
 #include <span>
 #include <utility>
 
 #include "matrix/base/byte_reader.h"
+#include "visibility/meshes/triangulation.h"
 
 namespace vismat {
 namespace {
 
 constexpr std::size_t most_corners = 4096;
 
-class EarCutter {
- public:
-  void cut(std::span<const std::uint32_t> polygon, const std::vector<glm::vec3>& points,
-           std::vector<std::uint32_t>& triangles) {
-    flatten(polygon, points);
-    left_.resize(polygon.size());
-    for (std::size_t i = 0; i < left_.size(); ++i) left_[i] = static_cast<std::uint32_t>(i);
-    std::size_t at = 0, failed = 0;
-    while (left_.size() > 3) {
-      const std::size_t size = left_.size(), before = (at + size - 1) % size, after = (at + 1) % size;
-      // One that crosses itself, or is flat, has no ears left: then any corner will do.
-      if (failed == size || is_ear(left_[before], left_[at], left_[after])) {
-        for (const std::size_t i : {before, at, after}) triangles.push_back(polygon[left_[i]]);
-        left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(at));
-        at = at == size - 1 ? 0 : at;
-        failed = 0;
-      } else {
-        at = after;
-        ++failed;
-      }
-    }
-    for (const std::uint32_t i : left_) triangles.push_back(polygon[i]);
-  }
-
- private:
-  void flatten(std::span<const std::uint32_t> polygon, const std::vector<glm::vec3>& points) {
-    glm::dvec3 normal(0);
-    const glm::dvec3 origin = points[polygon[0]];
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      normal += glm::cross(glm::dvec3(points[polygon[i]]) - origin,
-                           glm::dvec3(points[polygon[(i + 1) % polygon.size()]]) - origin);
-    }
-    int axis = 0;  // along which the polygon looks largest
-    for (const int other : {1, 2}) {
-      if (std::abs(normal[other]) > std::abs(normal[axis])) axis = other;
-    }
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    flat_.clear();
-    for (const std::uint32_t point : polygon) {
-      const glm::dvec3 place = points[point];
-      flat_.emplace_back(place[u], normal[axis] < 0 ? -place[v] : place[v]);
-    }
-  }
-  double turn(std::size_t a, std::size_t b, std::size_t c) const {
-    const glm::dvec2 ab = flat_[b] - flat_[a], ac = flat_[c] - flat_[a];
-    return ab.x * ac.y - ab.y * ac.x;
-  }
-  bool is_ear(std::size_t a, std::size_t b, std::size_t c) const {
-    if (!(turn(a, b, c) > 0)) return false;
-    return std::none_of(left_.begin(), left_.end(), [&](std::uint32_t i) {
-      if (flat_[i] == flat_[a] || flat_[i] == flat_[b] || flat_[i] == flat_[c]) return false;
-      return turn(a, b, i) >= 0 && turn(b, c, i) >= 0 && turn(c, a, i) >= 0;
-    });
-  }
-  std::vector<glm::dvec2> flat_;
-  std::vector<std::uint32_t> left_;
-};
-
 }  // namespace
 
-Scene Polygons::take() {
-  Scene scene;
+void Polygons::begin_part(MeshPart part) {
+  const auto [found, is_new] =
+      number_of_part_.try_emplace({part.group, part.material}, static_cast<std::uint32_t>(parts_.size()));
+  part_ = found->second;
+  if (is_new) parts_.push_back(std::move(part));
+}
+
+/// The points as the scene has them. A model whose middle lies farther from 0 than 8 km and than its own size, along an axis, is
+/// moved by whole kilometres unless the origin is given: there floats are a millimetre apart and more.
+std::vector<glm::vec3> Polygons::placed(const MeshPlacement& placement, std::array<double, 3>& origin) const {
+  constexpr double far = 8192, step = 1000;
+  const auto in_metres = [&](const glm::dvec3& p) {
+    return (placement.y_up ? glm::dvec3(p.x, -p.z, p.y) : p) * double{placement.scale};
+  };
+  std::array<double, 3> low, high;
+  low.fill(std::numeric_limits<double>::infinity()), high.fill(-std::numeric_limits<double>::infinity());
+  for (const std::uint32_t corner : corners_) {
+    const glm::dvec3 at = in_metres(points_[corner]);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], at[static_cast<int>(axis)]);
+      high[axis] = std::max(high[axis], at[static_cast<int>(axis)]);
+    }
+  }
+  origin = placement.origin.value_or(std::array<double, 3>{});
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const double middle = (low[axis] + high[axis]) / 2;
+    if (!placement.origin && std::abs(middle) > std::max(far, high[axis] - low[axis])) {
+      origin[axis] = std::round(middle / step) * step;
+    }
+    for (const double end : {low[axis], high[axis]}) {
+      if (std::abs(end - origin[axis]) > farthest_point)
+        throw FormatError("a coordinate is farther than 1e9 m from the origin");
+    }
+  }
+  std::vector<glm::vec3> result(points_.size());
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    result[i] = in_metres(points_[i]) - glm::dvec3(origin[0], origin[1], origin[2]);
+  }
+  return result;
+}
+
+void Polygons::take(const MeshPlacement& placement, MeshFile& file) {
+  Scene& scene = file.scene;
   if (points_.empty()) throw FormatError("holds no points");
-  EarCutter cutter;
-  for (std::size_t face = 0; face < where_.size(); ++face) {
+  const std::size_t in_file = points_.size();
+  leave_out_unplaced();
+  const auto corners_of_face = [&](std::size_t face) {
     const std::size_t end = face + 1 < where_.size() ? first_corner_[face + 1] : corners_.size();
-    const std::span<const std::uint32_t> corners =
-        std::span(corners_).subspan(first_corner_[face], end - first_corner_[face]);
+    return std::span(corners_).subspan(first_corner_[face], end - first_corner_[face]);
+  };
+  for (std::size_t face = 0; face < where_.size(); ++face) {
+    const auto corners = corners_of_face(face);
     for (const std::uint32_t corner : corners) {
       if (corner >= points_.size()) {
-        fail(face, "names a point that is not among the " + std::to_string(points_.size()) + " of the file");
+        fail(face, "names a point that is not among the " + std::to_string(in_file) + " of the file");
       }
     }
     if (corners.empty()) fail(face, "a face without corners");
     if (corners.size() > most_corners) {
       fail(face, "a face of " + std::to_string(corners.size()) + " corners; at most 4096 are read");
     }
+  }
+  if (where_.empty()) throw FormatError("holds " + std::to_string(in_file) + " points but no faces");
+  scene.vertices = placed(placement, file.origin);
+  std::vector<std::uint32_t> object_of_part(parts_.size(), most_points);
+  Triangulator triangulator;
+  for (std::size_t face = 0; face < where_.size(); ++face) {
+    const auto corners = corners_of_face(face);
     if (corners.size() > 3) {
-      cutter.cut(corners, points_, scene.indices);
+      triangulator.add(corners, scene.vertices, scene.indices);
     } else {
       for (std::size_t i = 0; i < 3; ++i) scene.indices.push_back(corners[std::min(i, corners.size() - 1)]);
     }
     if (scene.indices.size() / 3 > most_points) fail(face, "more than 4294967294 triangles");
+    std::uint32_t& object = object_of_part[part_of_face_[face]];
+    if (object == most_points) {
+      object = static_cast<std::uint32_t>(file.parts.size());
+      file.parts.push_back(parts_[part_of_face_[face]]);
+    }
+    scene.object_of_triangle.resize(scene.indices.size() / 3, object);
   }
-  if (scene.indices.empty())
-    throw FormatError("holds " + std::to_string(points_.size()) + " points but no faces");
-  scene.vertices = std::move(points_);
-  scene.object_of_triangle.assign(scene.indices.size() / 3, 0);
-  scene.object_count = 1;
-  return scene;
+  scene.object_count = static_cast<std::uint32_t>(file.parts.size());
+}
+
+std::string Polygons::shown(double number, std::string_view word) {
+  if (!word.empty()) return vismat::shown(word);
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
+}
+
+void Polygons::leave_out_unplaced() {
+  if (unplaced_.empty()) return;
+  constexpr std::uint32_t nowhere = 0xffffffff;
+  std::vector<std::uint32_t> new_of_old(points_.size());
+  for (const Unplaced& point : unplaced_) new_of_old[point.point] = nowhere;
+  std::uint32_t kept = 0;
+  for (std::uint32_t& point : new_of_old) {
+    if (point != nowhere) point = kept++;
+  }
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    if (corners_[i] >= points_.size()) return;  // which take() refuses
+    if (new_of_old[corners_[i]] != nowhere) continue;
+    const auto point = std::ranges::lower_bound(unplaced_, corners_[i], {}, &Unplaced::point);
+    const auto face =
+        std::upper_bound(first_corner_.begin(), first_corner_.end(), i) - first_corner_.begin() - 1;
+    fail(static_cast<std::size_t>(face), std::string("uses ") + point_place_ + " " +
+                                             std::to_string(point->where) + ", where " + point->word +
+                                             " is not a number within 1e9 of the origin");
+  }
+  for (std::uint32_t& corner : corners_) corner = new_of_old[corner];
+  for (std::size_t point = 0; point < points_.size(); ++point) {
+    if (new_of_old[point] != nowhere) points_[new_of_old[point]] = points_[point];
+  }
+  points_.resize(kept);
 }
 
 void Polygons::fail(std::size_t face, const std::string& what) const {
