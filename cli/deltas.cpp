@@ -11,6 +11,7 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "layout/trees/nearest_tree.h"
 #include "matrix/files/dataset_file.h"
 #include "programs/options.h"
@@ -96,11 +97,14 @@ Dataset with_rows(const Dataset& of, VisibilityMatrix matrix) {
 }
 
 void make(const DeltasOptions& options) {
-  if (options.out.extension() == ".mtx") {
-    throw std::invalid_argument(options.out.string() +
-                                ": Matrix Market has no place for the boundaries; write .bsp.h5");
+  for (const auto& [ending, format] :
+       {std::pair(".mtx", "Matrix Market"), std::pair(".npy", "NumPy"), std::pair(".npz", "SciPy")}) {
+    if (options.out.extension() == ending) {
+      throw std::invalid_argument(options.out.string() + ": " + format +
+                                  " has no place for the boundaries; write .bsp.h5");
+    }
   }
-  const Dataset cells = read_dataset(options.in);
+  const Dataset cells = read_matrix(options.in);
   const std::string method = options.neighbours == "auto" ? known_neighbours(cells) : options.neighbours;
   Deltas deltas;
   try {
@@ -121,7 +125,7 @@ void make(const DeltasOptions& options) {
 }
 
 void undo(const DeltasOptions& options) {
-  Dataset deltas = read_dataset(options.in);
+  Dataset deltas = read_matrix(options.in);
   Dataset cells;
   try {
     if (deltas.source.boundaries.empty() && deltas.matrix.shape().rows > 0)

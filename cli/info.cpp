@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <span>
 #include <sstream>
@@ -15,7 +14,6 @@
 #include "cli/verbs.h"
 #include "cli/vmat_files.h"
 #include "codecs/vmat/container.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
 #include "matrix/files/dataset_file.h"
 #include "matrix/files/hdf5_file.h"
@@ -152,12 +150,9 @@ void print_level(const Level& level) {
   print_size(level.cells.shape(), level.cells.ones());
 }
 
-std::string first_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(8, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  return bytes;
+bool is_regular(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
 }
 
 void print_levels(const std::string& file) {
@@ -168,36 +163,47 @@ void print_levels(const std::string& file) {
   }
 }
 
-// A path of a regular file, or FILE.pk3:MEMBER.
+// A path, FILE.pk3:MEMBER, or FILE.h5:GROUP.
 void print_info(const std::string& where) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(where, ignored) && where.find(':') != std::string::npos) {
+  const auto title = [&](const std::string& kind) { line("file", where + " (" + kind + ")"); };
+  const MatrixFile file = open_matrix_file(where);
+  const std::string_view begin(reinterpret_cast<const char*>(file.bytes.data()),
+                               std::min<std::size_t>(file.bytes.size(), 8));
+  const std::string format(format_of(file));
+  if (format.empty() && !file.part.empty()) {
     const Level level = read_level(where);
-    line("file", where + " (level)");
+    title("level");
     return print_level(level);
   }
-  const std::string begin = first_bytes(where);
-  const auto title = [&](const char* kind) { line("file", where + " (" + kind + ")"); };
+  const auto need_regular = [&] {
+    if (!is_regular(file.path))
+      throw std::runtime_error(where + ": is not a regular file; a level must be one");
+  };
   if (begin.starts_with("IBSP")) {
+    need_regular();
     const Level level = read_level(where);
     title("level");
     print_level(level);
-  } else if (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD")) {
+  } else if (format.empty() &&
+             (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD"))) {
+    need_regular();
     title("levels");
     print_levels(where);
-  } else if (vmat::begins_vmat(std::as_bytes(std::span(begin)))) {
-    const auto bytes = read_file(where);
-    const Container container = naming(where, [&] { return read_container(bytes); });
+  } else if (vmat::begins_vmat(file.bytes)) {
+    const Container container = naming(where, [&] { return read_container(file.bytes); });
     title("compressed matrix");
-    print_container(container, bytes);
-  } else if (is_hdf5(where) && naming(where, [&] { return Hdf5File::open(where).contains("/scene"); })) {
+    print_container(container, file.bytes);
+  } else if (file.is_hdf5 && file.part.empty() &&
+             naming(where, [&] { return Hdf5File::open(where).contains("/scene"); })) {
     const SceneFile scene = read_scene(where);
     title("scene");
     print_scene(scene);
   } else {
-    const Dataset dataset = read_dataset(where);
-    title(begin.starts_with("%%") ? "matrix, Matrix Market" : "matrix, Binsparse on HDF5");
+    MatrixNotes notes;
+    const Dataset dataset = read_dataset(file, &notes);
+    title("matrix, " + format + (file.gzipped ? ", gzipped" : ""));
     print_dataset(dataset);
+    if (const std::string text = notes.text(); !text.empty()) line("notes", text);
   }
 }
 
@@ -208,7 +214,8 @@ void add_info(Program& program) {
   const Verb verb =
       program.verb("info", "Print what a file holds: a matrix, a compressed matrix, a scene or levels");
   verb.option("FILE", *file,
-              "The file (.bsp.h5, .mtx, .vmat, .scene.h5, .bsp, .pk3, .wad), or a level in one: FILE:MAP")
+              "The file (.bsp.h5, .mtx, .npy, .npz, .vmat, .scene.h5, .bsp, .pk3, .wad), or a part of one: "
+              "FILE:MAP of levels, FILE.h5:GROUP, FILE.npy:COLUMNS of packed bits")
       .required();
   verb.example("vismat info koth1.bsp.h5");
   verb.example("vismat info pak6-patch085.pk3      (lists its levels)");

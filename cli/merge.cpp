@@ -11,6 +11,7 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "codecs/vmat/sections.h"
 #include "layout/groups/grouping.h"
 #include "matrix/files/dataset_file.h"
@@ -37,7 +38,7 @@ void merge(const MergeOptions& options) {
     throw std::invalid_argument(options.out.string() +
                                 ": Matrix Market has no place for the map; write .bsp.h5");
   }
-  Dataset data = read_dataset(options.in);
+  Dataset data = read_matrix(options.in);
   if (!data.source.boundaries.empty()) {
     throw std::invalid_argument(
         options.in.string() +
@@ -78,7 +79,7 @@ void merge(const MergeOptions& options) {
 }
 
 void expand(const MergeOptions& options) {
-  Dataset data = read_dataset(options.in);
+  Dataset data = read_matrix(options.in);
   if (!data.source.row_groups && !data.source.column_groups)
     throw std::invalid_argument(options.in.string() + ": nothing in it was merged");
   write_dataset(options.out, in_source_numbers(std::move(data)));

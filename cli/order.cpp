@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "layout/best_order.h"
 #include "layout/bounds/bound.h"
 #include "layout/cost.h"
@@ -138,7 +139,7 @@ nlohmann::json report(const Result& r) {
 }
 
 void run_order(const OrderOptions& options) {
-  Dataset data = read_dataset(options.in);
+  Dataset data = read_matrix(options.in);
   const Shape shape = data.matrix.shape();
   if (options.columns == "identity" && options.rows == "identity") {
     throw std::invalid_argument("nothing to order: give --columns METHOD or --rows METHOD, for example best");

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "layout/trees/set_tree.h"
 #include "matrix/files/dataset_file.h"
 #include "programs/options.h"
@@ -51,7 +52,7 @@ ObjectTree tree_over_rows(const Dataset& dataset, const TreeArguments& arguments
 }
 
 void run_tree(const TreeArguments& arguments) {
-  Dataset dataset = read_dataset(arguments.input);
+  Dataset dataset = read_matrix(arguments.input);
   const bool rows = arguments.side == "rows";
   auto& tree = rows ? dataset.source.row_tree : dataset.source.tree;
   tree = rows ? tree_over_rows(dataset, arguments) : tree_over_columns(dataset, arguments);

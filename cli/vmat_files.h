@@ -6,6 +6,7 @@
 
 #include "codecs/vmat/container.h"
 #include "matrix/dataset.h"
+#include "matrix/files/dataset_file.h"
 
 namespace vismat::cli {
 
@@ -27,7 +28,10 @@ void with_container(const std::filesystem::path& path, const std::function<void(
 Dataset read_vmat(const std::filesystem::path& path, const Side& boxes = {});
 /// The same for a file of version 3 or of the present version.
 Dataset read_vmat_of_any_version(const std::filesystem::path& path, const Side& boxes = {});
-/// Reads a `.vmat` file, or whatever read_dataset reads; they are told apart by the first bytes.
-Dataset read_any_matrix(const std::filesystem::path& path);
+/// What read_dataset reads. Prints a line with the notes, if there are any.
+Dataset read_matrix(const std::filesystem::path& name);
+Dataset read_matrix(const MatrixFile& file);
+/// Reads a `.vmat` file, or whatever read_matrix reads; they are told apart by the first bytes.
+Dataset read_any_matrix(const std::filesystem::path& name);
 
 }  // namespace vismat::cli
