@@ -211,7 +211,7 @@ void add_compare(Program& program) {
   const auto options = std::make_shared<CompareOptions>();
   const Verb verb = program.verb(
       "compare", "Measure every codec on every matrix: the compressed size and the decoding speed");
-  verb.option("MATRIX", options->files, "The matrix files (.bsp.h5 or .mtx)").required();
+  verb.option("MATRIX", options->files, "The matrix files (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.option("--orders", options->orders,
               "natural (as it is in the file), best (rows and columns as 'vismat order' puts them), or both")
       .comma_separated()

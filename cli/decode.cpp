@@ -33,7 +33,7 @@ void add_decode(Program& program) {
   const auto options = std::make_shared<DecodeOptions>();
   const Verb verb = program.verb("decode", "Restore the matrix of a .vmat file, in the order of its source");
   verb.option("FILE", options->in, "The .vmat file to read, of version 4 or 3").required();
-  verb.output(options->out, "The matrix file to write (.bsp.h5 or .mtx)");
+  verb.output(options->out, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
   verb.flag("--as-stored", options->as_stored, "Leave rows and columns in the order of the .vmat file");
   verb.option(
       "--boxes", options->boxes,

@@ -145,8 +145,9 @@ void add_deltas(Program& program) {
   const auto options = std::make_shared<DeltasOptions>();
   const Verb verb =
       program.verb("deltas", "Turn a matrix into the differences between neighbouring view cells, or back");
-  verb.option("MATRIX", options->in,
-              "The matrix file to read (.bsp.h5 or .mtx); with --undo, a file that this verb wrote")
+  verb.option(
+          "MATRIX", options->in,
+          "The matrix file to read (.bsp.h5, .mtx, .npy or .npz); with --undo, a file that this verb wrote")
       .required();
   verb.output(options->out, "The matrix file to write (.bsp.h5), with two rows for each boundary");
   const Option neighbours =

@@ -86,7 +86,7 @@ std::string codec_names() {
 void add_encode(Program& program) {
   const auto options = std::make_shared<EncodeArguments>();
   const Verb verb = program.verb("encode", "Compress a matrix into a .vmat file");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.output(options->out, "The .vmat file to write");
   verb.option("--codec", options->codec, "One of " + codec_names());
   verb.option("--rows", options->order,

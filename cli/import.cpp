@@ -60,7 +60,7 @@ void add_import(Program& program) {
   const auto arguments = std::make_shared<ImportArguments>();
   const Verb verb = program.verb("import", "Read a level of Quake 3 or Doom: what its view cells see");
   verb.option("LEVEL", arguments->level, "The level").required();
-  verb.output(arguments->output, "The matrix file to write (.bsp.h5 or .mtx)");
+  verb.output(arguments->output, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
   verb.option("--matrix", arguments->matrix,
               "What the columns are: cells (Quake's clusters, Doom's sectors), or faces (Quake only)")
       .one_of({"cells", "faces"});

@@ -91,7 +91,7 @@ void add_merge(Program& program) {
   const auto options = std::make_shared<MergeOptions>();
   const Verb verb =
       program.verb("merge", "Merge similar view cells or objects; everything visible stays visible");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.output(
       options->out,
       "The matrix file to write (.bsp.h5): the unions of the groups, and which group each member is in");

@@ -200,7 +200,7 @@ void add_order(Program& program) {
   const auto options = std::make_shared<OrderOptions>();
   options->order.stages = show_progress;
   const Verb verb = program.verb("order", "Reorder rows and columns so that similar ones are neighbours");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.output(options->out, "The matrix file to write; its orders are stored with it");
   verb.option("--columns", options->columns, "Method that orders the columns; see the list below");
   verb.option("--rows", options->rows,
