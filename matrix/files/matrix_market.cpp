@@ -40,7 +40,6 @@ class Scanner {
   bool at_comment() const { return at_ != end_ && *at_ == '%'; }
   void skip_blanks() {
     while (at_ != end_ && is_blank(*at_)) ++at_;
-    constexpr char dos_end_of_file = 0x1a;
     if (at_ != end_ && *at_ == dos_end_of_file) end_ = at_;
   }
   /// The rest of the line, and on to the next. Lines end with LF, CR LF, or CR alone.
@@ -54,12 +53,20 @@ class Scanner {
     return text;
   }
   std::uint64_t whole_number(const char* what) {
-    const std::string_view digits = word(what);
+    skip_blanks();
+    const char* begin = at_;
     std::uint64_t value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (end != digits.data() + digits.size() || error == std::errc::invalid_argument)
-      fail(std::string(what) + " is not a whole number: " + in_quotes(digits));
-    if (error != std::errc{}) fail(std::string(what) + " is larger than 64 bits hold");
+    for (; at_ != end_ && is_digit(*at_); ++at_) {
+      const auto digit = static_cast<std::uint64_t>(*at_ - '0');
+      if (__builtin_mul_overflow(value, std::uint64_t{10}, &value) ||
+          __builtin_add_overflow(value, digit, &value))
+        fail(std::string(what) + " is larger than 64 bits hold");
+    }
+    if (at_ == begin || !(at_ == end_ || ends_word(*at_))) {
+      at_ = begin;
+      const std::string_view wrong = word(what);
+      fail(std::string(what) + " is not a whole number: " + in_quotes(wrong));
+    }
     return value;
   }
   /// Whether a value is anything but zero, which "1e-400" is. Exponents may be Fortran's, too: "1D+02", "1+02".
@@ -101,13 +108,15 @@ class Scanner {
  private:
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
   static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+  static constexpr char dos_end_of_file = 0x1a;
+  static bool ends_word(char c) { return is_line_end(c) || is_blank(c) || c == dos_end_of_file; }
   static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
   std::string_view word(const char* what) {
     skip_blanks();
     if (at_line_end() || at_comment()) fail(std::string(what) + " is missing");
     const char* begin = at_;
-    at_ = std::find_if(at_, end_, [](char c) { return is_line_end(c) || is_blank(c) || c == 0x1a; });
+    at_ = std::find_if(at_, end_, ends_word);
     return {begin, static_cast<std::size_t>(at_ - begin)};
   }
 
