@@ -22,7 +22,7 @@ void run_decode(const DecodeOptions& options) {
   if (!options.boxes.empty()) boxes = read_dataset(options.boxes);
   Dataset data = read_vmat_of_any_version(options.in, {nullptr, boxes.row_bounds, boxes.column_bounds});
   if (!options.as_stored) data = in_source_order(std::move(data));
-  write_dataset(options.out, data);
+  write_matrix(options.out, data);
   std::printf("%s: %u x %u, %llu ones\n", options.out.c_str(), data.matrix.shape().rows,
               data.matrix.shape().columns, static_cast<unsigned long long>(data.matrix.ones()));
 }

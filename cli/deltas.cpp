@@ -13,7 +13,6 @@
 #include "cli/verbs.h"
 #include "cli/vmat_files.h"
 #include "layout/trees/nearest_tree.h"
-#include "matrix/files/dataset_file.h"
 #include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/geometry/touching_boxes.h"
@@ -97,13 +96,8 @@ Dataset with_rows(const Dataset& of, VisibilityMatrix matrix) {
 }
 
 void make(const DeltasOptions& options) {
-  for (const auto& [ending, format] :
-       {std::pair(".mtx", "Matrix Market"), std::pair(".npy", "NumPy"), std::pair(".npz", "SciPy")}) {
-    if (options.out.extension() == ending) {
-      throw std::invalid_argument(options.out.string() + ": " + format +
-                                  " has no place for the boundaries; write .bsp.h5");
-    }
-  }
+  if (!keeps_everything(options.out))
+    throw std::invalid_argument(options.out.string() + ": has no place for the boundaries; write .bsp.h5");
   const Dataset cells = read_matrix(options.in);
   const std::string method = options.neighbours == "auto" ? known_neighbours(cells) : options.neighbours;
   Deltas deltas;
@@ -119,7 +113,7 @@ void make(const DeltasOptions& options) {
   result.rows_are = "boundary list";
   if (!result.provenance.empty()) result.provenance += "; ";
   result.provenance += "differences between neighbours " + std::string(meaning(method));
-  write_dataset(options.out, result);
+  write_matrix(options.out, result);
   line("neighbours", meaning(method));
   print(deltas, cells.matrix);
 }
@@ -136,7 +130,7 @@ void undo(const DeltasOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(options.in.string() + ": " + error.what());
   }
-  write_dataset(options.out, cells);
+  write_matrix(options.out, cells);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "cli/verbs.h"
-#include "matrix/files/dataset_file.h"
+#include "cli/vmat_files.h"
 #include "programs/options.h"
 
 namespace vismat::cli {
@@ -32,7 +32,7 @@ void run_generate(const GenerateArguments& arguments) {
              << (arguments.harder ? " --harder" : "");
   data.provenance = provenance.str();
   data.seed = arguments.seed;
-  write_dataset(arguments.output, data);
+  write_matrix(arguments.output, data);
   std::printf("%s: %u boundaries, %u objects, %ju ones\n", arguments.output.c_str(), data.matrix.shape().rows,
               data.matrix.shape().columns, std::uintmax_t{data.matrix.ones()});
 }

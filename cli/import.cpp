@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "cli/verbs.h"
-#include "matrix/files/dataset_file.h"
+#include "cli/vmat_files.h"
 #include "programs/options.h"
 #include "visibility/geometry/bounding_volume_tree.h"
 #include "visibility/levels/level_file.h"
@@ -45,7 +45,7 @@ void run_import(const ImportArguments& arguments) {
   Dataset dataset = level_dataset(level, matrices.at(arguments.matrix), trees.at(arguments.tree));
   if (arguments.nodes) dataset = over_nodes(dataset);
   if (!arguments.scene.empty()) write_faces(level, arguments);
-  write_dataset(arguments.output, dataset);
+  write_matrix(arguments.output, dataset);
   const Shape shape = dataset.matrix.shape();
   std::printf("%s: %u %ss x %u %ss, %.1f %% visible", arguments.output.c_str(), shape.rows,
               dataset.rows_are.c_str(), shape.columns, dataset.columns_are.c_str(),

@@ -175,18 +175,18 @@ void print_info(const std::string& where) {
     title("level");
     return print_level(level);
   }
-  const auto need_regular = [&] {
-    if (!is_regular(file.path))
-      throw std::runtime_error(where + ": is not a regular file; a level must be one");
+  const auto need_plain = [&] {
+    if (file.gzipped) throw FormatError(where + ": is gzipped; unpack it with gunzip first");
+    if (!is_regular(file.path)) throw FormatError(where + ": is not a regular file; a level must be one");
   };
   if (begin.starts_with("IBSP")) {
-    need_regular();
+    need_plain();
     const Level level = read_level(where);
     title("level");
     print_level(level);
   } else if (format.empty() &&
              (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD"))) {
-    need_regular();
+    need_plain();
     title("levels");
     print_levels(where);
   } else if (vmat::begins_vmat(file.bytes)) {

@@ -191,7 +191,7 @@ void run_order(const OrderOptions& options) {
     const std::string text = json.dump(2) + "\n";
     write_file(options.json, std::as_bytes(std::span(text)));
   }
-  write_dataset(options.out, result);
+  write_matrix(options.out, result);
 }
 
 }  // namespace

@@ -41,6 +41,8 @@ Dataset dataset_of(Container container, const Side& boxes) {
   return data;
 }
 
+}  // namespace
+
 std::vector<std::byte> bytes_of_vmat(const std::filesystem::path& path) {
   MatrixFile file = open_matrix_file(path);
   if (const std::string_view format = format_of(file); !format.empty()) {
@@ -49,8 +51,6 @@ std::vector<std::byte> bytes_of_vmat(const std::filesystem::path& path) {
   }
   return std::move(file.bytes);
 }
-
-}  // namespace
 
 std::string facts_of(const Dataset& data) {
   std::string facts = "rows_are: " + data.rows_are + "\ncolumns_are: " + data.columns_are + "\n";
@@ -87,6 +87,12 @@ Dataset read_matrix(const MatrixFile& file) {
   if (const std::string text = notes.text(); !text.empty())
     std::printf("%s: %s\n", printable(file.name().string()).c_str(), text.c_str());
   return data;
+}
+
+void write_matrix(const std::filesystem::path& path, const Dataset& data) {
+  write_dataset(path, data);
+  if (const std::string left_out = left_out_in(path, data); !left_out.empty())
+    std::printf("%s: without %s\n", printable(path.string()).c_str(), left_out.c_str());
 }
 
 Dataset read_any_matrix(const std::filesystem::path& name) {

@@ -162,7 +162,7 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
     const std::vector<std::byte> bytes = npz_of(dataset.matrix);
     return write_file(path, bytes);
   }
-  if (!name.ends_with(".h5") && !name.ends_with(".hdf5")) {
+  if (!keeps_everything(path)) {
     throw std::invalid_argument(path.string() +
                                 ": a matrix is written as .bsp.h5, .h5, .hdf5, .mtx, .npy or .npz");
   }
@@ -182,15 +182,19 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
   partial.commit();
 }
 
+bool keeps_everything(const std::filesystem::path& path) {
+  return path.extension() == ".h5" || path.extension() == ".hdf5";
+}
+
 std::string left_out_in(const std::filesystem::path& path, const Dataset& dataset) {
   const std::string name = path.filename().string();
-  const bool market = name.ends_with(".mtx"), bare = name.ends_with(".npy") || name.ends_with(".npz");
+  const bool bare = name.ends_with(".npy") || name.ends_with(".npz");
   std::string left_out;
   const auto say = [&](bool there, const char* what) {
     if (there) left_out += (left_out.empty() ? "" : ", ") + std::string(what);
   };
   const SourceMap& source = dataset.source;
-  if (market || bare) {
+  if (!keeps_everything(path)) {
     say(!dataset.row_bounds.empty() || !dataset.column_bounds.empty(), "boxes");
     say(dataset.row_neighbours.has_value(), "neighbours");
     say(!dataset.sight_lines.empty(), "sight lines");

@@ -37,6 +37,8 @@ Dataset read_dataset(const MatrixFile& file, MatrixNotes* notes = nullptr);
 /// the geometry; `.npy` and `.npz` keep the matrix alone. Throws std::invalid_argument for another ending, or if the
 /// source map does not fit the matrix. The file appears completely or not at all.
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
+/// Whether the ending is one of HDF5, which has a place for all of a dataset.
+bool keeps_everything(const std::filesystem::path& path);
 /// What the dataset has and write_dataset leaves out of a file of this name: "boxes, trees"; empty if nothing.
 std::string left_out_in(const std::filesystem::path& path, const Dataset& dataset);
 

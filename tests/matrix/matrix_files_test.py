@@ -124,6 +124,7 @@ class MatrixFiles(unittest.TestCase):
                 self.assertEqual(self.vismat("verify", name + ".gz", "m.mtx").returncode, 0)
                 self.assertEqual(self.vismat("decode", name + ".gz", "-o", "back.mtx").returncode, 0)
                 self.assertIn(b"compressed matrix", self.vismat("info", name + ".gz").stdout)
+                self.assertEqual(self.vismat("row", name + ".gz", "3").stdout, self.vismat("row", name, "3").stdout)
             else:
                 self.same(name + ".gz", wanted)
                 self.assertIn(b"gzipped", self.vismat("info", name + ".gz").stdout)
@@ -150,6 +151,8 @@ class MatrixFiles(unittest.TestCase):
         vmat = (self.path / "m.vmat").read_bytes()
         self.assertIn(b"compressed matrix", self.vismat("info", "/dev/stdin", input=vmat).stdout)
         self.assertEqual(self.vismat("verify", "/dev/stdin", "m.mtx", input=vmat).returncode, 0)
+        self.assertEqual(self.vismat("decode", "/dev/stdin", "-o", "out.mtx", input=vmat).returncode, 0)
+        self.assertEqual(self.vismat("row", "/dev/stdin", "2", input=vmat).stdout, b"0\n1\n2\n")
         self.assertEqual(self.vismat("verify", "m.vmat", "/dev/stdin", input=PATTERN.encode()).returncode, 0)
         for verb in ("convert", "info"):
             self.refused("/dev/stdin", "not a regular file", verb=verb, input=(self.path / "m.h5").read_bytes())
@@ -325,8 +328,12 @@ class MatrixFiles(unittest.TestCase):
         run = self.vismat("convert", "c.h5", "-o", "c.npz")
         self.assertRegex(run.stdout.decode(), "; without boxes.*provenance, guarantee")
         self.assertNotIn(b"without", self.vismat("convert", "c.h5", "-o", "d.h5").stdout)
-        run = self.vismat("deltas", "c.h5", "-o", "d.npz")
-        self.assertIn(b"no place for the boundaries", run.stderr)
+        self.assertIn(b"c.mtx: without boxes", self.vismat("order", "c.h5", "--columns", "best", "-o", "c.mtx").stdout)
+        for words, lost in ((("deltas", "c.h5"), b"boundaries"), (("tree", "c.h5"), b"tree"), (("merge", "c.h5", "--lost", "0.1"), b"map")):
+            for name in ("d.npz", "d.npy", "d.mtx"):
+                run = self.vismat(*words, "-o", name)
+                self.assertIn(name.encode() + b": has no place for the " + lost, run.stderr)
+                self.assertFalse((self.path / name).exists())
 
 
 if __name__ == "__main__":
