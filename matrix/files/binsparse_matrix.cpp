@@ -108,7 +108,7 @@ Descriptor parse_descriptor(const std::string& source) {
     if (!(stated.is_string() || stated.is_number()) || (major != "0" && major != "1"))
       refuse_array(descriptor_name, "version is " + stated.dump(-1, ' ', true) + "; 0.x and 1.x are read");
   }
-  if (binsparse.contains("custom"))
+  if (binsparse.contains("custom") || member(binsparse, "format").is_object())
     refuse_array(descriptor_name, "custom formats are not read, only the predefined ones");
   Descriptor descriptor;
   descriptor.format = text(member(binsparse, "format"), "format");

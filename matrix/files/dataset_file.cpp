@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -112,6 +113,19 @@ void write_stream(const std::filesystem::path& path, const Write& write) {
   file.commit();
 }
 
+// FILE of FILE.npy:COLUMNS; nothing for other names.
+std::optional<std::filesystem::path> packed_npy(const std::filesystem::path& name, std::uint32_t columns) {
+  const std::string& whole = name.native();
+  const std::size_t colon = whole.rfind(".npy:");
+  if (colon == std::string::npos) return std::nullopt;
+  if (const std::string part = whole.substr(colon + 5); part != std::to_string(columns)) {
+    throw std::invalid_argument(name.string() + ": the matrix has " + std::to_string(columns) +
+                                " columns; FILE.npy:" + std::to_string(columns) +
+                                " writes them as packed bits");
+  }
+  return whole.substr(0, colon + 4);
+}
+
 }  // namespace
 
 std::filesystem::path MatrixFile::name() const {
@@ -152,6 +166,9 @@ Dataset read_dataset(const std::filesystem::path& name, MatrixNotes* notes) {
 
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
   const std::string name = path.filename().string();
+  if (const auto file = packed_npy(path, dataset.matrix.shape().columns)) {
+    return write_stream(*file, [&](std::ostream& out) { write_packed_npy(out, dataset.matrix); });
+  }
   if (name.ends_with(".mtx")) {
     return write_stream(path, [&](std::ostream& out) { write_matrix_market(out, dataset); });
   }
@@ -188,7 +205,7 @@ bool keeps_everything(const std::filesystem::path& path) {
 
 std::string left_out_in(const std::filesystem::path& path, const Dataset& dataset) {
   const std::string name = path.filename().string();
-  const bool bare = name.ends_with(".npy") || name.ends_with(".npz");
+  const bool bare = name.ends_with(".npz") || name.find(".npy") != std::string::npos;
   std::string left_out;
   const auto say = [&](bool there, const char* what) {
     if (there) left_out += (left_out.empty() ? "" : ", ") + std::string(what);

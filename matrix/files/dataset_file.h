@@ -34,8 +34,9 @@ std::string_view format_of(const MatrixFile& file);
 Dataset read_dataset(const std::filesystem::path& name, MatrixNotes* notes = nullptr);
 Dataset read_dataset(const MatrixFile& file, MatrixNotes* notes = nullptr);
 /// Writes the format that the file name's ending names. `.mtx` keeps the matrix and, as comments, the facts, but not
-/// the geometry; `.npy` and `.npz` keep the matrix alone. Throws std::invalid_argument for another ending, or if the
-/// source map does not fit the matrix. The file appears completely or not at all.
+/// the geometry; `.npy` and `.npz` keep the matrix alone; FILE.npy:COLUMNS packs its bits. Throws std::invalid_argument for
+/// another ending, for other COLUMNS than the matrix has, or if the source map does not fit the matrix. The file appears
+/// completely or not at all.
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 /// Whether the ending is one of HDF5, which has a place for all of a dataset.
 bool keeps_everything(const std::filesystem::path& path);

@@ -273,4 +273,17 @@ void write_npy(std::ostream& out, const VisibilityMatrix& matrix) {
   }
 }
 
+void write_packed_npy(std::ostream& out, const VisibilityMatrix& matrix) {
+  const Shape shape = matrix.shape();
+  const std::uint64_t bytes = (std::uint64_t{shape.columns} + 7) / 8;
+  const std::string header = npy_header("|u1", {shape.rows, bytes});
+  out.write(header.data(), static_cast<std::streamsize>(header.size()));
+  std::string row(bytes, '\0');
+  for (std::uint32_t r = 0; r < shape.rows && out; ++r) {
+    for (const std::uint32_t c : matrix.row(r)) row[c / 8] = static_cast<char>(row[c / 8] | 0x80 >> c % 8);
+    out.write(row.data(), static_cast<std::streamsize>(row.size()));
+    for (const std::uint32_t c : matrix.row(r)) row[c / 8] = 0;
+  }
+}
+
 }  // namespace vismat

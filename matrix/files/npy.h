@@ -51,7 +51,9 @@ VisibilityMatrix read_packed_npy(std::span<const std::byte> file, std::uint32_t 
 
 /// The bytes before the items of an array in C order.
 std::string npy_header(const std::string& type, const std::vector<std::uint64_t>& shape);
-/// Writes an array of booleans, a byte for each. The caller checks the stream.
+/// Writes an array of booleans, a byte for each, or of bits as numpy.packbits(matrix, axis=1) packs them. The caller
+/// checks the stream.
 void write_npy(std::ostream& out, const VisibilityMatrix& matrix);
+void write_packed_npy(std::ostream& out, const VisibilityMatrix& matrix);
 
 }  // namespace vismat

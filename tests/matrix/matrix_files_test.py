@@ -227,6 +227,12 @@ class MatrixFiles(unittest.TestCase):
             for order in "CF":
                 np.save(self.path / "a.npy", np.array(np.packbits(dense, axis=1), order=order))
                 self.same(f"a.npy:{columns}", dense)
+            scipy.io.mmwrite(self.path / "a.mtx", scipy.sparse.coo_matrix(dense.astype(int)))
+            self.assertEqual(self.vismat("convert", "a.mtx", "-o", f"b.npy:{columns}").returncode, 0)
+            np.testing.assert_array_equal(np.load(self.path / "b.npy"), np.packbits(dense, axis=1))
+            run = self.vismat("convert", "a.mtx", "-o", f"c.npy:{columns + 1}")
+            self.assertIn(f"the matrix has {columns} columns; FILE.npy:{columns} writes".encode(), run.stderr)
+            self.assertFalse((self.path / "c.npy").exists())
         np.save(self.path / "a.npy", np.packbits(EXAMPLE != 0, axis=1))
         self.refused("a.npy:9", "1 bytes in a row, not the 2 that 9 columns take")
         self.refused("a.npy:3", "row 0 has bits behind column 2")
