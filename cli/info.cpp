@@ -200,7 +200,14 @@ void print_info(const std::string& where) {
     print_scene(scene);
   } else {
     MatrixNotes notes;
-    const Dataset dataset = read_dataset(file, &notes);
+    Dataset dataset;
+    try {
+      dataset = read_dataset(file, &notes);
+    } catch (const FormatError& error) {
+      if (!format.empty()) throw;
+      throw FormatError(std::string(error.what()) +
+                        "; 'vismat info' also tells of .vmat, .scene.h5, .bsp, .pk3 and .wad files");
+    }
     title("matrix, " + format + (file.gzipped ? ", gzipped" : ""));
     print_dataset(dataset);
     if (const std::string text = notes.text(); !text.empty()) line("notes", text);

@@ -172,6 +172,10 @@ class MatrixFiles(unittest.TestCase):
             (self.path / "a").write_bytes(begin)
             self.refused("a", words)
         self.refused("m.mtx:3", "has no parts")
+        (self.path / "a").write_bytes(b"glTF")
+        self.refused("a", ".npz", ".vmat", ".scene.h5", ".pk3", verb="info")
+        (self.path / "a").write_bytes(gzip.compress(b"IBSP"))
+        self.refused("a", "is gzipped; unpack it with gunzip first", verb="info")
         self.refused("nothing", "No such file")
         for name in ("a.txt", "a.mat"):
             run = self.vismat("convert", "m.mtx", "-o", name)
