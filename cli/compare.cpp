@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/baselines/program_codecs.h"
 #include "codecs/rows/bitmap.h"
@@ -20,7 +21,6 @@
 #include "layout/best_order.h"
 #include "layout/orders/random_order.h"
 #include "layout/points/distinct_columns.h"
-#include "matrix/files/dataset_file.h"
 #include "programs/csv.h"
 #include "programs/measuring.h"
 #include "programs/names.h"
@@ -110,7 +110,7 @@ Subject subject_of(const std::filesystem::path& file, const std::string& order, 
   Subject s;
   s.matrix = matrix_name(file);
   s.order = order;
-  s.data = read_dataset(file);
+  s.data = read_matrix(file);
   const auto [rows, columns] = s.data.matrix.shape();
   if (distinct) {
     auto kinds = distinct_columns(s.data.matrix);
@@ -211,7 +211,7 @@ void add_compare(Program& program) {
   const auto options = std::make_shared<CompareOptions>();
   const Verb verb = program.verb(
       "compare", "Measure every codec on every matrix: the compressed size and the decoding speed");
-  verb.option("MATRIX", options->files, "The matrix files (.bsp.h5 or .mtx)").required();
+  verb.option("MATRIX", options->files, "The matrix files (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.option("--orders", options->orders,
               "natural (as it is in the file), best (rows and columns as 'vismat order' puts them), or both")
       .comma_separated()

@@ -22,7 +22,7 @@ void run_decode(const DecodeOptions& options) {
   if (!options.boxes.empty()) boxes = read_dataset(options.boxes);
   Dataset data = read_vmat_of_any_version(options.in, {nullptr, boxes.row_bounds, boxes.column_bounds});
   if (!options.as_stored) data = in_source_order(std::move(data));
-  write_dataset(options.out, data);
+  write_matrix(options.out, data);
   std::printf("%s: %u x %u, %llu ones\n", options.out.c_str(), data.matrix.shape().rows,
               data.matrix.shape().columns, static_cast<unsigned long long>(data.matrix.ones()));
 }
@@ -33,7 +33,7 @@ void add_decode(Program& program) {
   const auto options = std::make_shared<DecodeOptions>();
   const Verb verb = program.verb("decode", "Restore the matrix of a .vmat file, in the order of its source");
   verb.option("FILE", options->in, "The .vmat file to read, of version 4 or 3").required();
-  verb.output(options->out, "The matrix file to write (.bsp.h5 or .mtx)");
+  verb.output(options->out, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
   verb.flag("--as-stored", options->as_stored, "Leave rows and columns in the order of the .vmat file");
   verb.option(
       "--boxes", options->boxes,

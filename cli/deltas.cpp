@@ -11,8 +11,8 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "layout/trees/nearest_tree.h"
-#include "matrix/files/dataset_file.h"
 #include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/geometry/touching_boxes.h"
@@ -96,11 +96,9 @@ Dataset with_rows(const Dataset& of, VisibilityMatrix matrix) {
 }
 
 void make(const DeltasOptions& options) {
-  if (options.out.extension() == ".mtx") {
-    throw std::invalid_argument(options.out.string() +
-                                ": Matrix Market has no place for the boundaries; write .bsp.h5");
-  }
-  const Dataset cells = read_dataset(options.in);
+  if (!keeps_everything(options.out))
+    throw std::invalid_argument(options.out.string() + ": has no place for the boundaries; write .bsp.h5");
+  const Dataset cells = read_matrix(options.in);
   const std::string method = options.neighbours == "auto" ? known_neighbours(cells) : options.neighbours;
   Deltas deltas;
   try {
@@ -115,13 +113,13 @@ void make(const DeltasOptions& options) {
   result.rows_are = "boundary list";
   if (!result.provenance.empty()) result.provenance += "; ";
   result.provenance += "differences between neighbours " + std::string(meaning(method));
-  write_dataset(options.out, result);
+  write_matrix(options.out, result);
   line("neighbours", meaning(method));
   print(deltas, cells.matrix);
 }
 
 void undo(const DeltasOptions& options) {
-  Dataset deltas = read_dataset(options.in);
+  Dataset deltas = read_matrix(options.in);
   Dataset cells;
   try {
     if (deltas.source.boundaries.empty() && deltas.matrix.shape().rows > 0)
@@ -132,7 +130,7 @@ void undo(const DeltasOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(options.in.string() + ": " + error.what());
   }
-  write_dataset(options.out, cells);
+  write_matrix(options.out, cells);
 }
 
 }  // namespace
@@ -141,8 +139,9 @@ void add_deltas(Program& program) {
   const auto options = std::make_shared<DeltasOptions>();
   const Verb verb =
       program.verb("deltas", "Turn a matrix into the differences between neighbouring view cells, or back");
-  verb.option("MATRIX", options->in,
-              "The matrix file to read (.bsp.h5 or .mtx); with --undo, a file that this verb wrote")
+  verb.option(
+          "MATRIX", options->in,
+          "The matrix file to read (.bsp.h5, .mtx, .npy or .npz); with --undo, a file that this verb wrote")
       .required();
   verb.output(options->out, "The matrix file to write (.bsp.h5), with two rows for each boundary");
   const Option neighbours =

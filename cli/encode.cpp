@@ -13,7 +13,6 @@
 #include "codecs/rows/bitmap.h"
 #include "codecs/vmat/container.h"
 #include "matrix/base/atomic_file.h"
-#include "matrix/files/dataset_file.h"
 #include "programs/options.h"
 #include "programs/prepared_for.h"
 #include "programs/progress.h"
@@ -58,7 +57,7 @@ void run_encode(EncodeArguments options) {
         "--effort " + std::to_string(options.encode.effort) + ": '" + options.codec + "' has " +
         (codec.highest_effort == 0 ? "only 0" : "0 to " + std::to_string(codec.highest_effort)));
   }
-  Dataset data = read_dataset(options.in);
+  Dataset data = read_matrix(options.in);
   if (const std::string why = obstacle(codec, data); !why.empty())
     throw std::invalid_argument(options.in.string() + ": " + why);
   const bool were_differences = !data.source.boundaries.empty();
@@ -87,7 +86,7 @@ std::string codec_names() {
 void add_encode(Program& program) {
   const auto options = std::make_shared<EncodeArguments>();
   const Verb verb = program.verb("encode", "Compress a matrix into a .vmat file");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.output(options->out, "The .vmat file to write");
   verb.option("--codec", options->codec, "One of " + codec_names());
   verb.option("--rows", options->order,

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "cli/verbs.h"
-#include "matrix/files/dataset_file.h"
+#include "cli/vmat_files.h"
 #include "programs/options.h"
 
 namespace vismat::cli {
@@ -32,7 +32,7 @@ void run_generate(const GenerateArguments& arguments) {
              << (arguments.harder ? " --harder" : "");
   data.provenance = provenance.str();
   data.seed = arguments.seed;
-  write_dataset(arguments.output, data);
+  write_matrix(arguments.output, data);
   std::printf("%s: %u boundaries, %u objects, %ju ones\n", arguments.output.c_str(), data.matrix.shape().rows,
               data.matrix.shape().columns, std::uintmax_t{data.matrix.ones()});
 }
@@ -51,7 +51,7 @@ void add_generate(Program& program) {
   verb.flag("--harder", arguments->harder,
             "Make a less redundant matrix, in which view cells have less in common");
   verb.option("--seed", arguments->seed, "Another seed makes another matrix");
-  verb.output(arguments->output, "The matrix file to write (.bsp.h5 or .mtx)");
+  verb.output(arguments->output, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
   verb.note(
       "Rows are boundaries between view cells; columns are the objects that appear or vanish there. --scale "
       "1 makes the sizes of Chhugani et al. 2005: 350,000 x 400,000 (5.2e8 ones, which takes 4.2 GB of "

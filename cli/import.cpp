@@ -6,7 +6,7 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
-#include "matrix/files/dataset_file.h"
+#include "cli/vmat_files.h"
 #include "programs/options.h"
 #include "visibility/geometry/bounding_volume_tree.h"
 #include "visibility/levels/level_file.h"
@@ -55,7 +55,7 @@ void run_import(const ImportArguments& arguments) {
   Dataset dataset = level_dataset(level, matrices.at(arguments.matrix), trees.at(arguments.tree));
   if (arguments.nodes) dataset = over_nodes(dataset);
   if (!arguments.scene.empty()) write_faces(level, arguments);
-  write_dataset(arguments.output, dataset);
+  write_matrix(arguments.output, dataset);
   const Shape shape = dataset.matrix.shape();
   std::printf("%s: %u %ss x %u %ss, %.1f %% visible", arguments.output.c_str(), shape.rows,
               dataset.rows_are.c_str(), shape.columns, dataset.columns_are.c_str(),
@@ -75,7 +75,7 @@ void add_import(Program& program) {
   const auto arguments = std::make_shared<ImportArguments>();
   const Verb verb = program.verb("import", "Read a level of Quake 3 or Doom: what its view cells see");
   verb.option("LEVEL", arguments->level, "The level").required();
-  verb.output(arguments->output, "The matrix file to write (.bsp.h5 or .mtx)");
+  verb.output(arguments->output, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
   verb.option("--matrix", arguments->matrix,
               "What the columns are: cells (Quake's clusters, Doom's sectors), or faces (Quake only)")
       .one_of({"cells", "faces"});

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <span>
 #include <sstream>
@@ -15,13 +14,13 @@
 #include "cli/verbs.h"
 #include "cli/vmat_files.h"
 #include "codecs/vmat/container.h"
-#include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
 #include "matrix/files/dataset_file.h"
 #include "matrix/files/hdf5_file.h"
 #include "matrix/partition.h"
 #include "programs/options.h"
 #include "visibility/levels/level_file.h"
+#include "visibility/meshes/any_scene.h"
 #include "visibility/scene_file.h"
 
 namespace vismat::cli {
@@ -175,12 +174,9 @@ void print_level(const Level& level) {
   for (const std::string& what : left_out_of_faces(level)) line("", what);
 }
 
-std::string first_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(8, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  return bytes;
+bool is_regular(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
 }
 
 void print_levels(const std::vector<LevelListing>& levels) {
@@ -190,38 +186,62 @@ void print_levels(const std::vector<LevelListing>& levels) {
   }
 }
 
-// A path of a regular file, or FILE.pk3:MEMBER.
+// A path, FILE.pk3:MEMBER, or FILE.h5:GROUP.
 void print_info(const std::string& where) {
   constexpr LevelNeeds all_that_is_there{.visibility = false, .see_through = false};
-  std::error_code ignored;
-  if (!std::filesystem::exists(where, ignored) && where.find(':') != std::string::npos) {
-    const Level level = read_level(where, all_that_is_there);
-    line("file", where + " (level)");
-    return print_level(level);
-  }
-  const std::string begin = first_bytes(where);
-  const auto title = [&](const char* kind) { line("file", where + " (" + kind + ")"); };
-  if (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD")) {
-    const auto levels = list_levels(where);
-    title("levels");
-    print_levels(levels);
-  } else if (names_level(where)) {
+  const auto title = [&](const std::string& kind) { line("file", where + " (" + kind + ")"); };
+  const MatrixFile file = open_matrix_file(where);
+  const std::string_view begin(reinterpret_cast<const char*>(file.bytes.data()),
+                               std::min<std::size_t>(file.bytes.size(), 8));
+  const std::string format(format_of(file));
+  const auto need_plain = [&] {
+    if (file.gzipped) throw FormatError(where + ": is gzipped; unpack it with gunzip first");
+    if (!is_regular(file.path)) throw FormatError(where + ": is not a regular file; a level must be one");
+  };
+  if (format.empty() && mesh_format(where)) {
+    const AnyScene mesh = read_any_scene(where);
+    title(file.gzipped ? "mesh, gzipped" : "mesh");
+    print_scene(mesh.file);
+    for (const std::string& what : mesh.left_out) line("left out", what);
+    for (const std::string& note : mesh.notes) line("note", note);
+  } else if (format.empty() && !file.part.empty()) {
     const Level level = read_level(where, all_that_is_there);
     title("level");
     print_level(level);
-  } else if (vmat::begins_vmat(std::as_bytes(std::span(begin)))) {
-    const auto bytes = read_file(where);
-    const Container container = naming(where, [&] { return read_container(bytes); });
+  } else if (format.empty() &&
+             (begin.starts_with("PK") || begin.starts_with("IWAD") || begin.starts_with("PWAD"))) {
+    need_plain();
+    const auto levels = list_levels(where);
+    title("levels");
+    print_levels(levels);
+  } else if (format.empty() && names_level(where)) {
+    need_plain();
+    const Level level = read_level(where, all_that_is_there);
+    title("level");
+    print_level(level);
+  } else if (vmat::begins_vmat(file.bytes)) {
+    const Container container = naming(where, [&] { return read_container(file.bytes); });
     title("compressed matrix");
-    print_container(container, bytes);
-  } else if (is_hdf5(where) && naming(where, [&] { return Hdf5File::open(where).contains("/scene"); })) {
+    print_container(container, file.bytes);
+  } else if (file.is_hdf5 && file.part.empty() &&
+             naming(where, [&] { return Hdf5File::open(where).contains("/scene"); })) {
     const SceneFile scene = read_scene(where);
     title("scene");
     print_scene(scene);
   } else {
-    const Dataset dataset = read_dataset(where);
-    title(begin.starts_with("%%") ? "matrix, Matrix Market" : "matrix, Binsparse on HDF5");
+    MatrixNotes notes;
+    Dataset dataset;
+    try {
+      dataset = read_dataset(file, &notes);
+    } catch (const FormatError& error) {
+      if (!format.empty()) throw;
+      throw FormatError(std::string(error.what()) +
+                        "; 'vismat info' also tells of .vmat, .scene.h5, .obj, .ply, .off, .stl, .bsp, .pk3, "
+                        ".zip and .wad files");
+    }
+    title("matrix, " + format + (file.gzipped ? ", gzipped" : ""));
     print_dataset(dataset);
+    if (const std::string text = notes.text(); !text.empty()) line("notes", text);
   }
 }
 
@@ -229,11 +249,12 @@ void print_info(const std::string& where) {
 
 void add_info(Program& program) {
   const auto file = std::make_shared<std::string>();
-  const Verb verb =
-      program.verb("info", "Print what a file holds: a matrix, a compressed matrix, a scene or levels");
-  verb.option(
-          "FILE", *file,
-          "The file (.bsp.h5, .mtx, .vmat, .scene.h5, .bsp, .pk3, .zip, .wad), or a level in one: FILE:MAP")
+  const Verb verb = program.verb(
+      "info", "Print what a file holds: a matrix, a compressed matrix, a scene, a mesh or levels");
+  verb.option("FILE", *file,
+              "The file (.bsp.h5, .mtx, .npy, .npz, .vmat, .scene.h5, .obj, .ply, .off, .stl, .bsp, .pk3, "
+              ".zip, .wad), or a part of one: "
+              "FILE:MAP of levels, FILE.h5:GROUP, FILE.npy:COLUMNS of packed bits")
       .required();
   verb.example("vismat info koth1.bsp.h5");
   verb.example("vismat info pak6-patch085.pk3      (lists its levels)");

@@ -11,9 +11,9 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "codecs/vmat/sections.h"
 #include "layout/groups/grouping.h"
-#include "matrix/files/dataset_file.h"
 #include "matrix/loss.h"
 #include "programs/options.h"
 #include "programs/progress.h"
@@ -33,11 +33,9 @@ struct MergeOptions {
 
 void merge(const MergeOptions& options) {
   const Grouping& grouping = find_grouping(options.method);
-  if (options.out.extension() == ".mtx") {
-    throw std::invalid_argument(options.out.string() +
-                                ": Matrix Market has no place for the map; write .bsp.h5");
-  }
-  Dataset data = read_dataset(options.in);
+  if (!keeps_everything(options.out))
+    throw std::invalid_argument(options.out.string() + ": has no place for the map; write .bsp.h5");
+  Dataset data = read_matrix(options.in);
   if (!data.source.boundaries.empty()) {
     throw std::invalid_argument(
         options.in.string() +
@@ -65,7 +63,7 @@ void merge(const MergeOptions& options) {
                                options.added ? *options.added : options.lost);
   if (options.max_per_cell < 1) data.provenance += formatted(", %g of any cell", options.max_per_cell);
   if (options.method == "seeds") data.provenance += ", seed " + std::to_string(options.seed);
-  write_dataset(options.out, data);
+  write_matrix(options.out, data);
 
   if (groups.rows) line("view cells", grouped(groups.rows->groups()) + " of " + grouped(rows) + " are left");
   if (groups.columns)
@@ -78,10 +76,10 @@ void merge(const MergeOptions& options) {
 }
 
 void expand(const MergeOptions& options) {
-  Dataset data = read_dataset(options.in);
+  Dataset data = read_matrix(options.in);
   if (!data.source.row_groups && !data.source.column_groups)
     throw std::invalid_argument(options.in.string() + ": nothing in it was merged");
-  write_dataset(options.out, in_source_numbers(std::move(data)));
+  write_matrix(options.out, in_source_numbers(std::move(data)));
 }
 
 }  // namespace
@@ -90,7 +88,7 @@ void add_merge(Program& program) {
   const auto options = std::make_shared<MergeOptions>();
   const Verb verb =
       program.verb("merge", "Merge similar view cells or objects; everything visible stays visible");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.output(
       options->out,
       "The matrix file to write (.bsp.h5): the unions of the groups, and which group each member is in");

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "layout/best_order.h"
 #include "layout/bounds/bound.h"
 #include "layout/cost.h"
@@ -138,7 +139,7 @@ nlohmann::json report(const Result& r) {
 }
 
 void run_order(const OrderOptions& options) {
-  Dataset data = read_dataset(options.in);
+  Dataset data = read_matrix(options.in);
   const Shape shape = data.matrix.shape();
   if (options.columns == "identity" && options.rows == "identity") {
     throw std::invalid_argument("nothing to order: give --columns METHOD or --rows METHOD, for example best");
@@ -190,7 +191,7 @@ void run_order(const OrderOptions& options) {
     const std::string text = json.dump(2) + "\n";
     write_file(options.json, std::as_bytes(std::span(text)));
   }
-  write_dataset(options.out, result);
+  write_matrix(options.out, result);
 }
 
 }  // namespace
@@ -199,7 +200,7 @@ void add_order(Program& program) {
   const auto options = std::make_shared<OrderOptions>();
   options->order.stages = show_progress;
   const Verb verb = program.verb("order", "Reorder rows and columns so that similar ones are neighbours");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.output(options->out, "The matrix file to write; its orders are stored with it");
   verb.option("--columns", options->columns, "Method that orders the columns; see the list below");
   verb.option("--rows", options->rows,

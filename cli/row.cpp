@@ -1,7 +1,9 @@
 // vismat row: decodes one row of a .vmat file without the rest.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -10,6 +12,7 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/rows/pairs.h"
 #include "codecs/vmat/row_reader.h"
@@ -24,8 +27,20 @@ struct RowOptions {
   bool as_stored = false, runs = false, names = false;
 };
 
+bool is_plain_vmat(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  std::array<char, vmat::magic.size()> begin = {};
+  std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
+  return vmat::begins_vmat(std::as_bytes(std::span(begin)));
+}
+
 void run_row(const RowOptions& options) {
-  const RowReader reader(options.in, all_codecs());
+  // Rows are read from the mapped file, unless the whole has to be unpacked or comes from a pipe.
+  const std::vector<std::byte> bytes =
+      is_plain_vmat(options.in) ? std::vector<std::byte>{} : bytes_of_vmat(options.in);
+  const RowReader reader = bytes.empty() ? RowReader(options.in, all_codecs())
+                                         : naming(options.in, [&] { return RowReader(bytes, all_codecs()); });
   const Shape shape = reader.shape();
   SourceMap source = reader.source();
   if (options.as_stored) source = {};

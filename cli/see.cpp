@@ -234,7 +234,7 @@ void add_see(Program& program) {
   const Verb verb = program.verb("see", "Find which objects are visible from each view cell of a scene");
   verb.option("SCENE", a.scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
       .required();
-  verb.output(a.output, "The matrix file to write (.bsp.h5 or .mtx)");
+  verb.output(a.output, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
   verb.option("--seen", a.seen, "Also write the matrix of what is proven to be seen, with its sight lines");
   add_cells_options(verb, a.cells);
   add_producers(verb, a);

@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "layout/trees/set_tree.h"
-#include "matrix/files/dataset_file.h"
 #include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/geometry/bounding_volume_tree.h"
@@ -51,12 +51,14 @@ ObjectTree tree_over_rows(const Dataset& dataset, const TreeArguments& arguments
 }
 
 void run_tree(const TreeArguments& arguments) {
-  Dataset dataset = read_dataset(arguments.input);
+  if (!arguments.nodes && !keeps_everything(arguments.output))
+    throw std::invalid_argument(arguments.output + ": has no place for the tree; write .bsp.h5");
+  Dataset dataset = read_matrix(arguments.input);
   const bool rows = arguments.side == "rows";
   auto& tree = rows ? dataset.source.row_tree : dataset.source.tree;
   tree = rows ? tree_over_rows(dataset, arguments) : tree_over_columns(dataset, arguments);
   if (arguments.nodes) dataset = over_nodes(dataset);
-  write_dataset(arguments.output, dataset);
+  write_matrix(arguments.output, dataset);
   const ObjectTree& made = rows ? *dataset.source.row_tree : *dataset.source.tree;
   std::printf("%s: a tree of %u nodes over %u %s\n", arguments.output.c_str(), made.size(),
               made.object_count(), rows ? "rows" : "objects");

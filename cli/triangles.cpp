@@ -8,9 +8,9 @@
 
 #include "cli/summary.h"
 #include "cli/verbs.h"
+#include "cli/vmat_files.h"
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/parallel.h"
-#include "matrix/files/dataset_file.h"
 #include "programs/options.h"
 #include "programs/progress.h"
 #include "visibility/detail/levels_of_detail.h"
@@ -42,7 +42,7 @@ std::string spread(const std::vector<Counts>& cells, std::uint64_t Counts::*what
 
 void run_triangles(const TrianglesArguments& arguments) {
   const SceneFile file = read_any_scene(arguments.scene).file;
-  const Dataset dataset = read_dataset(arguments.matrix);
+  const Dataset dataset = read_matrix(arguments.matrix);
   const Shape shape = dataset.matrix.shape(), right = {file.cells.count(), file.scene.object_count};
   if (dataset.source.columns_are_nodes || !dataset.source.boundaries.empty() || shape != right) {
     throw std::invalid_argument(arguments.matrix + ": the matrix must be of the scene's " +

@@ -97,9 +97,11 @@ void add_verify(Program& program) {
   const Verb verb = program.verb("verify",
                                  "Prove that a merged matrix hides nothing visible, or check a matrix "
                                  "against its scene in exact arithmetic");
-  verb.option("MATRIX", options->matrix, "The matrix to verify (.bsp.h5, .mtx or .vmat)").required();
-  const Option original = verb.option("ORIGINAL", options->original,
-                                      "Its source, the matrix that was merged (.bsp.h5, .mtx or .vmat)");
+  verb.option("MATRIX", options->matrix, "The matrix to verify (.bsp.h5, .mtx, .npy, .npz or .vmat)")
+      .required();
+  const Option original =
+      verb.option("ORIGINAL", options->original,
+                  "Its source, the matrix that was merged (.bsp.h5, .mtx, .npy, .npz or .vmat)");
   const Option scene =
       verb.option(
               "--witness", options->scene,

@@ -1,15 +1,13 @@
 #include "cli/vmat_files.h"
-#include "matrix/files/dataset_file.h"
 
-#include <array>
-#include <fstream>
+#include <cstdio>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "cli/summary.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/vmat/vmat3.h"
-#include "matrix/base/atomic_file.h"
 
 namespace vismat::cli {
 namespace {
@@ -43,14 +41,16 @@ Dataset dataset_of(Container container, const Side& boxes) {
   return data;
 }
 
-bool is_vmat(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, vmat::magic.size()> begin = {};
-  file.read(begin.data(), begin.size());
-  return vmat::begins_vmat(std::as_bytes(std::span(begin)));
-}
-
 }  // namespace
+
+std::vector<std::byte> bytes_of_vmat(const std::filesystem::path& path) {
+  MatrixFile file = open_matrix_file(path);
+  if (const std::string_view format = format_of(file); !format.empty()) {
+    throw FormatError(path.string() + ": is no .vmat file, but a matrix, " + std::string(format) +
+                      "; 'vismat encode' makes a .vmat file of it");
+  }
+  return std::move(file.bytes);
+}
 
 std::string facts_of(const Dataset& data) {
   std::string facts = "rows_are: " + data.rows_are + "\ncolumns_are: " + data.columns_are + "\n";
@@ -61,24 +61,44 @@ std::string facts_of(const Dataset& data) {
 }
 
 void with_container(const std::filesystem::path& path, const std::function<void(const Container&)>& work) {
-  const auto bytes = read_file(path);
+  const auto bytes = bytes_of_vmat(path);
   naming(path, [&] { work(read_container(bytes)); });
 }
 
 Dataset read_vmat(const std::filesystem::path& path, const Side& boxes) {
-  const auto bytes = read_file(path);
+  const auto bytes = bytes_of_vmat(path);
   return naming(path, [&] { return dataset_of(read_container(bytes), boxes); });
 }
 
 Dataset read_vmat_of_any_version(const std::filesystem::path& path, const Side& boxes) {
-  const auto bytes = read_file(path);
+  const auto bytes = bytes_of_vmat(path);
   return naming(path, [&] {
     return dataset_of(is_vmat3(bytes) ? read_vmat3(bytes, all_codecs()) : read_container(bytes), boxes);
   });
 }
 
-Dataset read_any_matrix(const std::filesystem::path& path) {
-  return is_vmat(path) ? read_vmat(path) : read_dataset(path);
+Dataset read_matrix(const std::filesystem::path& name) {
+  return read_matrix(open_matrix_file(name));
+}
+
+Dataset read_matrix(const MatrixFile& file) {
+  MatrixNotes notes;
+  Dataset data = read_dataset(file, &notes);
+  if (const std::string text = notes.text(); !text.empty())
+    std::printf("%s: %s\n", printable(file.name().string()).c_str(), text.c_str());
+  return data;
+}
+
+void write_matrix(const std::filesystem::path& path, const Dataset& data) {
+  write_dataset(path, data);
+  if (const std::string left_out = left_out_in(path, data); !left_out.empty())
+    std::printf("%s: without %s\n", printable(path.string()).c_str(), left_out.c_str());
+}
+
+Dataset read_any_matrix(const std::filesystem::path& name) {
+  const MatrixFile file = open_matrix_file(name);
+  if (!vmat::begins_vmat(file.bytes)) return read_matrix(file);
+  return naming(file.name(), [&] { return dataset_of(read_container(file.bytes), {}); });
 }
 
 }  // namespace vismat::cli

@@ -3,9 +3,11 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "codecs/vmat/container.h"
 #include "matrix/dataset.h"
+#include "matrix/files/dataset_file.h"
 
 namespace vismat::cli {
 
@@ -23,11 +25,18 @@ auto naming(const std::filesystem::path& where, const Work& work) {
 std::string facts_of(const Dataset& data);
 /// Calls `work` with the container of the file; an error names the file.
 void with_container(const std::filesystem::path& path, const std::function<void(const Container&)>& work);
+/// The bytes of a `.vmat` file, unpacked if it is gzipped. Throws FormatError if it is a matrix of another format.
+std::vector<std::byte> bytes_of_vmat(const std::filesystem::path& path);
 /// All that a `.vmat` file holds, in its stored order. `boxes` are for codecs that encode with them. Throws as read_dataset does.
 Dataset read_vmat(const std::filesystem::path& path, const Side& boxes = {});
 /// The same for a file of version 3 or of the present version.
 Dataset read_vmat_of_any_version(const std::filesystem::path& path, const Side& boxes = {});
-/// Reads a `.vmat` file, or whatever read_dataset reads; they are told apart by the first bytes.
-Dataset read_any_matrix(const std::filesystem::path& path);
+/// What read_dataset reads. Prints a line with the notes, if there are any.
+Dataset read_matrix(const std::filesystem::path& name);
+Dataset read_matrix(const MatrixFile& file);
+/// write_dataset, and a line with what the file has no place for, if there is anything.
+void write_matrix(const std::filesystem::path& path, const Dataset& data);
+/// Reads a `.vmat` file, or whatever read_matrix reads; they are told apart by the first bytes.
+Dataset read_any_matrix(const std::filesystem::path& name);
 
 }  // namespace vismat::cli

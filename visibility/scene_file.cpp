@@ -180,6 +180,11 @@ ViewCells cells_from(const Hdf5File& file) {
 SceneFile read_scene(const std::filesystem::path& path) {
   try {
     const Hdf5File file = Hdf5File::open(path);
+    if (!file.contains("/scene")) {
+      throw FormatError(file.groups_with("binsparse").empty()
+                            ? "holds no scene: it has no group /scene"
+                            : "holds a matrix, not a scene; 'vismat info' tells what it is of");
+    }
     if (const auto version = need_number(file, "/scene", "version"); version == 0 || version > file_version) {
       refuse("/scene", "version " + std::to_string(version) + "; this program reads versions 1 and 2");
     }

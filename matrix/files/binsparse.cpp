@@ -210,17 +210,27 @@ SourceMap read_source_map(const Hdf5File& file, const VisibilityMatrix& matrix) 
   return map;
 }
 
+[[noreturn]] void refuse_without_matrix(const Hdf5File& file) {
+  const std::vector<std::string> groups = file.groups_with("binsparse");
+  if (!groups.empty()) {
+    std::string names;
+    for (std::size_t i = 0; i < std::min<std::size_t>(groups.size(), 5); ++i)
+      names += (i == 0 ? "" : ", ") + groups[i];
+    if (groups.size() > 5) names += " and " + std::to_string(groups.size() - 5) + " more";
+    throw FormatError("has no attribute 'binsparse' there: the matrix is in group " + names +
+                      "; name it as FILE:" + groups[0]);
+  }
+  if (file.contains("/scene")) throw FormatError("holds a scene, not a matrix; 'vismat see' makes one of it");
+  throw FormatError("has no attribute 'binsparse' on its root group or another: it holds no matrix");
+}
+
 }  // namespace
 
-Dataset read_binsparse(const Hdf5File& file) {
+Dataset read_binsparse(const Hdf5File& file, MatrixNotes* notes) {
   const auto source = file.string_attribute("/", "binsparse");
-  if (!source) {
-    if (file.contains("/scene"))
-      throw FormatError("holds a scene, not a matrix; 'vismat see' makes one of it");
-    throw FormatError("has no attribute 'binsparse' on its root group: it holds no matrix");
-  }
+  if (!source) refuse_without_matrix(file);
   Dataset dataset;
-  dataset.matrix = read_binsparse_matrix(file, *source);
+  dataset.matrix = read_binsparse_matrix(file, *source, notes);
   const Shape shape = dataset.matrix.shape();
   dataset.rows_are = file.string_attribute("/", "vismat_rows_are").value_or(dataset.rows_are);
   dataset.columns_are = file.string_attribute("/", "vismat_columns_are").value_or(dataset.columns_are);

@@ -13,6 +13,7 @@
 
 #include "matrix/base/byte_reader.h"
 #include "matrix/claimed_shape.h"
+#include "matrix/files/entries.h"
 
 namespace vismat {
 
@@ -69,7 +70,9 @@ constexpr const char* descriptor_name = "attribute binsparse";
 
 struct Descriptor {
   std::string format;
-  std::uint64_t rows = 0, columns = 0, stored = 0;
+  std::uint64_t rows = 0, columns = 0;
+  std::uint64_t stored = 0;
+  bool says_stored = false;  // newer drafts of the specification leave it to the arrays
   bool iso = false, complex = false, fill = false;
   std::string structure;
 };
@@ -99,12 +102,13 @@ Descriptor parse_descriptor(const std::string& source) {
   if (!binsparse.is_object()) refuse_array(descriptor_name, "its 'binsparse' is not a JSON object");
 
   if (binsparse.contains("version")) {
-    const std::string version = text(binsparse["version"], "version");
-    if (!version.starts_with("0.") && !version.starts_with("1.")) {
-      refuse_array(descriptor_name, "version is " + json(version).dump() + "; 0.x and 1.x are read");
-    }
+    const json& stated = binsparse["version"];  // a string, but some write the number 0.1
+    const std::string version = stated.is_string() ? stated.get<std::string>() : stated.dump();
+    const std::string major = version.substr(0, version.find('.'));
+    if (!(stated.is_string() || stated.is_number()) || (major != "0" && major != "1"))
+      refuse_array(descriptor_name, "version is " + stated.dump(-1, ' ', true) + "; 0.x and 1.x are read");
   }
-  if (binsparse.contains("custom"))
+  if (binsparse.contains("custom") || member(binsparse, "format").is_object())
     refuse_array(descriptor_name, "custom formats are not read, only the predefined ones");
   Descriptor descriptor;
   descriptor.format = text(member(binsparse, "format"), "format");
@@ -112,7 +116,9 @@ Descriptor parse_descriptor(const std::string& source) {
   if (!shape.is_array() || shape.size() != 2) refuse_array(descriptor_name, "shape must be [rows, columns]");
   descriptor.rows = count(shape[0], "shape");
   descriptor.columns = count(shape[1], "shape");
-  descriptor.stored = count(member(binsparse, "number_of_stored_values"), "number_of_stored_values");
+  descriptor.says_stored = binsparse.contains("number_of_stored_values");
+  if (descriptor.says_stored)
+    descriptor.stored = count(binsparse["number_of_stored_values"], "number_of_stored_values");
 
   const json& types = member(binsparse, "data_types");
   if (!types.is_object()) refuse_array(descriptor_name, "data_types must be a JSON object");
@@ -156,6 +162,10 @@ VisibilityMatrix read_dense(const Hdf5File& file, const Descriptor& descriptor, 
   const std::vector<std::uint8_t> truth = file.read_truth("/values");
   const std::uint64_t step = descriptor.complex ? 2 : 1;
   need_length("/values", truth.size(), descriptor.iso ? step : cells * step, "the shape");
+  if (descriptor.iso && std::count(truth.begin(), truth.end(), 1) == 0) return VisibilityMatrix(lines);
+  constexpr std::uint64_t most_of_one_value = std::uint64_t{1} << 26;
+  if (descriptor.iso && cells > most_of_one_value)
+    refuse_array("/values", "claims " + std::to_string(cells) + " visible entries by a single value");
   std::vector<std::uint64_t> offsets = {0};
   std::vector<std::uint32_t> ids;
   for (std::uint32_t line = 0; line < lines.rows; ++line) {
@@ -203,21 +213,29 @@ VisibilityMatrix both_triangles(const VisibilityMatrix& half, const std::string&
   if (shape.rows != shape.columns)
     refuse_array(descriptor_name, "structure " + structure + " needs a square matrix");
   const bool lower = structure.ends_with("lower");
-  const VisibilityMatrix other = transpose(half);
-  std::vector<std::uint64_t> offsets = {0};
-  offsets.reserve(std::size_t{shape.rows} + 1);
-  std::vector<std::uint32_t> ids;
-  ids.reserve(half.ones() * 2);
   for (std::uint32_t r = 0; r < shape.rows; ++r) {
-    const auto stored = half.row(r), implied = other.row(r);
+    const auto stored = half.row(r);
     if (!stored.empty() && (lower ? stored.back() > r : stored.front() < r)) {
       refuse_array(descriptor_name, "structure is " + structure + ", but row " + std::to_string(r) +
                                         " has entries in the other triangle");
     }
-    std::set_union(stored.begin(), stored.end(), implied.begin(), implied.end(), std::back_inserter(ids));
-    offsets.push_back(ids.size());
   }
-  return VisibilityMatrix::from_csr(shape, std::move(offsets), std::move(ids));
+  return with_transpose(half);
+}
+
+// The number of stored values, from the length of the array that has one for each.
+std::uint64_t stored_in(const Hdf5File& file, const std::string& array, const Descriptor& descriptor) {
+  if (array == "/values") {
+    std::uint64_t cells = 0;
+    if (__builtin_mul_overflow(descriptor.rows, descriptor.columns, &cells))
+      refuse_array(descriptor_name, "shape has more entries than 64 bits can count");
+    return cells;
+  }
+  std::uint64_t stored = 1;
+  for (const std::uint64_t n : file.dimensions(array)) {
+    if (__builtin_mul_overflow(stored, n, &stored)) refuse_array(array, "is too long");
+  }
+  return stored;
 }
 
 struct Lines {
@@ -257,8 +275,9 @@ Lines read_lines(const Hdf5File& file, const Descriptor& descriptor, std::uint32
 
 }  // namespace
 
-VisibilityMatrix read_binsparse_matrix(const Hdf5File& file, const std::string& descriptor_text) {
-  const Descriptor descriptor = parse_descriptor(descriptor_text);
+VisibilityMatrix read_binsparse_matrix(const Hdf5File& file, const std::string& descriptor_text,
+                                       MatrixNotes* notes) {
+  Descriptor descriptor = parse_descriptor(descriptor_text);
   const std::string& format = descriptor.format;
   const bool dense = format == "DMAT" || format == "DMATR" || format == "DMATC";
   const bool coordinates = format == "COO" || format == "COOR" || format == "COOC";
@@ -277,6 +296,8 @@ VisibilityMatrix read_binsparse_matrix(const Hdf5File& file, const std::string& 
   }
   const bool by_columns = format.ends_with("C");
   const std::string line_is = by_columns ? "column" : "row", id_is = by_columns ? "row" : "column";
+  if (!descriptor.says_stored)
+    descriptor.stored = stored_in(file, dense ? "/values" : "/indices_1", descriptor);
   const Shape shape = claimed_shape(descriptor.rows, descriptor.columns, descriptor.stored);
   const Shape lines = by_columns ? Shape{shape.columns, shape.rows} : shape;
   VisibilityMatrix matrix;
@@ -289,14 +310,22 @@ VisibilityMatrix read_binsparse_matrix(const Hdf5File& file, const std::string& 
     matrix = VisibilityMatrix::from_csr(lines, std::move(offsets), std::move(ids));
   }
   if (by_columns) matrix = transpose(matrix);
-  return descriptor.structure.empty() ? std::move(matrix) : both_triangles(matrix, descriptor.structure);
+  MatrixNotes here;
+  if (!dense) here.zeros = descriptor.stored - matrix.ones();
+  if (!descriptor.structure.empty()) {
+    const std::uint64_t half = matrix.ones();
+    matrix = both_triangles(matrix, descriptor.structure);
+    here.mirrored = matrix.ones() - half;
+  }
+  if (notes != nullptr) *notes = here;
+  return matrix;
 }
 
 void write_binsparse_matrix(Hdf5File& file, const VisibilityMatrix& matrix) {
   const Shape shape = matrix.shape();
   const json descriptor = {
       {"binsparse",
-       {{"version", "0.1"},
+       {{"version", "0.1.0"},
         {"format", "CSR"},
         {"shape", {shape.rows, shape.columns}},
         {"number_of_stored_values", matrix.ones()},

@@ -5,13 +5,15 @@
 #include <vector>
 
 #include "matrix/files/hdf5_file.h"
+#include "matrix/files/matrix_notes.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {
 
-/// Reads the matrix that the arrays of the root group hold and that their descriptor, a JSON text, describes. Throws
+/// Reads the matrix that the arrays of the file's group hold and that their descriptor, a JSON text, describes. Throws
 /// FormatError as read_binsparse does.
-VisibilityMatrix read_binsparse_matrix(const Hdf5File& file, const std::string& descriptor);
+VisibilityMatrix read_binsparse_matrix(const Hdf5File& file, const std::string& descriptor,
+                                       MatrixNotes* notes = nullptr);
 
 /// Writes the matrix as CSR with `iso[bint8]` values, and its descriptor.
 void write_binsparse_matrix(Hdf5File& file, const VisibilityMatrix& matrix);

@@ -44,6 +44,7 @@ namespace {
 enum class Kind : std::uint32_t {
   open,
   contains,
+  groups_with,
   dimensions,
   read,
   string_attribute,
@@ -125,6 +126,10 @@ void answer(int socket, const Hdf5Reader& reader, const Head& question, const st
       if (reader.contains(object)) data("", 0);
       break;
     }
+    case Kind::groups_with: {
+      for (const std::string& group : reader.groups_with(attribute)) data(group.data(), group.size());
+      break;
+    }
     case Kind::dimensions: {
       const auto dimensions = reader.dimensions(object);
       data(dimensions.data(), dimensions.size() * sizeof(std::uint64_t));
@@ -180,6 +185,7 @@ struct Hdf5File::Handle {
   hid_t written = -1;  // create()
   pid_t child = -1;    // open()
   int socket = -1;
+  std::string group;  // before every path; no slash at its end
 
   Handle() = default;
   Handle(const Handle&) = delete;
@@ -220,7 +226,8 @@ struct Hdf5File::Handle {
            const std::function<bool(std::uint64_t bytes)>& on_data) {
     if (socket < 0) refuse(object, "cannot be read from a file that is being written");
     if (child < 0) refuse(object, "cannot be read: the file is damaged");
-    const std::string body = object + '\0' + attribute;
+    const std::string whole = group.empty() || object != "/" ? group + object : group;
+    const std::string body = whole + '\0' + attribute;
     if (!send_frame(socket, kind, number, body.data(), body.size())) fail_dead(object);
     for (;;) {
       Head head{};
@@ -262,7 +269,7 @@ Hdf5File::Hdf5File(Hdf5File&&) noexcept = default;
 Hdf5File& Hdf5File::operator=(Hdf5File&&) noexcept = default;
 Hdf5File::~Hdf5File() = default;
 
-Hdf5File Hdf5File::open(const std::filesystem::path& path) {
+Hdf5File Hdf5File::open(const std::filesystem::path& path, const std::string& group) {
   struct stat status {};
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) throw FormatError(std::string("cannot open: ") + std::strerror(errno));
@@ -270,6 +277,10 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path) {
   ::close(file);
   if (!regular) throw FormatError("is not a regular file; HDF5 needs one");
 
+  // /dev/stdin means something else in the child.
+  std::error_code unresolved;
+  std::filesystem::path name = std::filesystem::canonical(path, unresolved);
+  if (unresolved) name = path;
   auto handle = std::make_unique<Handle>();
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
@@ -280,13 +291,17 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path) {
   if (handle->child == 0) {
     ::close(ends[0]);
     confine(static_cast<std::uint64_t>(status.st_size));
-    serve(ends[1], path.string());
+    serve(ends[1], name.string());
   }
   const int error = errno;
   ::close(ends[1]);
   if (handle->child < 0)
     throw std::runtime_error(std::string("cannot start a reader: ") + std::strerror(error));
   handle->ask(Kind::open, Hdf5Number::u8, "HDF5", "", [](std::uint64_t) { return false; });
+  if (!group.empty()) {
+    handle->group = group.starts_with('/') ? group : '/' + group;
+    handle->group.erase(handle->group.find_last_not_of('/') + 1);
+  }
   return Hdf5File(std::move(handle));
 }
 
@@ -294,6 +309,16 @@ bool Hdf5File::contains(const std::string& name) const {
   bool found = false;
   handle_->ask(Kind::contains, Hdf5Number::u8, name, "", [&](std::uint64_t) { return found = true; });
   return found;
+}
+
+std::vector<std::string> Hdf5File::groups_with(const std::string& attribute) const {
+  std::vector<std::string> groups;
+  handle_->ask(Kind::groups_with, Hdf5Number::u8, "/", attribute, [&](std::uint64_t bytes) {
+    if (bytes > 1 << 20) return false;
+    std::string& group = groups.emplace_back(bytes, '\0');
+    return receive_all(handle_->socket, group.data(), bytes);
+  });
+  return groups;
 }
 
 std::vector<std::uint64_t> Hdf5File::dimensions(const std::string& name) const {
@@ -438,9 +463,14 @@ void Hdf5File::close() {
 bool is_hdf5(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return false;
-  std::array<char, 8> begin{};
-  std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
-  return std::memcmp(begin.data(), "\x89HDF\r\n\x1a\n", begin.size()) == 0;
+  std::ifstream file(path, std::ios::binary);
+  for (std::streamoff at = 0; file; at = at == 0 ? 512 : 2 * at) {
+    std::array<char, 8> begin{};
+    if (file.seekg(at).read(begin.data(), begin.size()) &&
+        std::memcmp(begin.data(), "\x89HDF\r\n\x1a\n", begin.size()) == 0)
+      return true;
+  }
+  return false;
 }
 
 }  // namespace vismat

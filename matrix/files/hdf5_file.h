@@ -20,7 +20,8 @@ namespace vismat {
 class Hdf5File {
  public:
   static Hdf5File create(const std::filesystem::path& path);  // truncates
-  static Hdf5File open(const std::filesystem::path& path);    // read only
+  /// Read only. With a group, all paths are meant below it: "/values" is that of the group, and "/" is the group.
+  static Hdf5File open(const std::filesystem::path& path, const std::string& group = "");
   Hdf5File(Hdf5File&&) noexcept;
   Hdf5File& operator=(Hdf5File&&) noexcept;
   ~Hdf5File();
@@ -29,6 +30,8 @@ class Hdf5File {
   template <typename Number>
   void write(const std::string& name, std::span<const Number> values, std::vector<std::uint64_t> dimensions);
   bool contains(const std::string& name) const;
+  /// The groups of the whole file that have this attribute; where there are very many, some of them.
+  std::vector<std::string> groups_with(const std::string& attribute) const;
   std::vector<std::uint64_t> dimensions(const std::string& name) const;
   /// Converts from the stored integer or float type. Refuses a value that does not fit (floats if Number is an
   /// integer), and an array that is larger than the file could hold. Takes no memory beyond the result but a few
@@ -52,7 +55,8 @@ class Hdf5File {
   std::unique_ptr<Handle> handle_;
 };
 
-/// Whether a regular file begins with HDF5's signature; false for what cannot be opened.
+/// Whether a regular file has HDF5's signature at its beginning or behind a block of the user, which takes 512 bytes, or
+/// twice that, and so on; false for what cannot be opened.
 bool is_hdf5(const std::filesystem::path& path);
 
 }  // namespace vismat

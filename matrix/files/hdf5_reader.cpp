@@ -21,6 +21,7 @@ constexpr std::uint64_t piece_entries = 1 << 18;  // read at a time
 constexpr std::uint64_t largest_piece = std::uint64_t{1} << 26;
 constexpr std::uint64_t largest_chunk = std::uint64_t{256} << 20;  // bytes; the library holds a whole one
 constexpr std::size_t longest_string = 1 << 20;
+constexpr std::size_t most_groups = 100;
 
 // Only hard links are followed: soft and external ones may point anywhere.
 bool hard_linked(hid_t file, const std::string& name) {
@@ -256,6 +257,31 @@ Hdf5Reader::~Hdf5Reader() {
 
 bool Hdf5Reader::contains(const std::string& name) const {
   return hard_linked(file_, name);
+}
+
+std::vector<std::string> Hdf5Reader::groups_with(const std::string& attribute) const {
+  std::vector<std::string> found, level = {"/"};
+  for (int depth = 0; depth <= 8; ++depth) {
+    std::vector<std::string> below;
+    for (const std::string& name : level) {
+      const Hdf5Object group = H5Oopen(file_, name.c_str(), H5P_DEFAULT);
+      if (group < 0 || H5Iget_type(group) != H5I_GROUP) continue;
+      if (H5Aexists(group, attribute.c_str()) > 0) found.push_back(name);
+      const auto collect = [](hid_t, const char* link, const H5L_info_t* info, void* names) -> herr_t {
+        auto& links = *static_cast<std::vector<std::string>*>(names);
+        if (info->type == H5L_TYPE_HARD) links.emplace_back(link);
+        return links.size() < most_groups ? 0 : 1;
+      };
+      std::vector<std::string> links;
+      H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &links);
+      for (const std::string& link : links) {
+        if (below.size() < most_groups) below.push_back((name == "/" ? name : name + "/") + link);
+      }
+    }
+    level = std::move(below);
+  }
+  if (found.size() > most_groups) found.resize(most_groups);
+  return found;
 }
 
 std::vector<std::uint64_t> Hdf5Reader::dimensions(const std::string& name) const {

@@ -29,6 +29,8 @@ class Hdf5Reader {
   ~Hdf5Reader();
 
   bool contains(const std::string& name) const;
+  /// The groups that have this attribute, at most 100 and not deeper than 8, in the order of their names.
+  std::vector<std::string> groups_with(const std::string& attribute) const;
   std::vector<std::uint64_t> dimensions(const std::string& name) const;
   /// Gives the array, row-major, to `sink` in consecutive pieces of bounded size. Before the first piece, `count` is
   /// told how many numbers will come: never more than 1032 bytes of them (deflate's limit) for each byte that the file

@@ -183,7 +183,7 @@ TEST_F(Program, RefusesDifferencesThatCannotBe) {
   refuses("in.bsp.h5 -o out.bsp.h5 --neighbours given",
           "in.bsp.h5: does not say which view cells are neighbours");
   refuses("bare.mtx -o out.bsp.h5 --neighbours boxes", "bare.mtx: has no boxes for its rows");
-  refuses("in.bsp.h5 -o out.mtx", "out.mtx: Matrix Market has no place for the boundaries");
+  refuses("in.bsp.h5 -o out.mtx", "out.mtx: has no place for the boundaries");
   refuses("in.bsp.h5 -o no/folder.bsp.h5", "no/folder.bsp.h5");
   refuses("deltas.bsp.h5 -o out.bsp.h5", "deltas.bsp.h5: holds differences already");
   refuses("--undo in.bsp.h5 -o out.bsp.h5", "in.bsp.h5: holds no boundaries");
@@ -232,7 +232,7 @@ TEST_F(Program, VerifyFindsWhatIsHidden) {
       "hides.bsp.h5: hides 1 visible entries, the first in row 31, column " + std::to_string(column) + "\n");
   expect_refusal("verify small.bsp.h5 in.bsp.h5",
                  "small.bsp.h5: stands for 50 x 50, but the original has 60 x 60");
-  expect_refusal("merge in.bsp.h5 -o out.mtx", "out.mtx: Matrix Market has no place for the map");
+  expect_refusal("merge in.bsp.h5 -o out.mtx", "out.mtx: has no place for the map");
   expect_refusal("merge in.bsp.h5 -o out.bsp.h5 --method luck",
                  "'luck' is no grouping method; there are seeds, pairs");
   expect_refusal("merge in.bsp.h5 -o out.bsp.h5 --lost 1.5", "--lost");

@@ -24,7 +24,7 @@ struct Source {
   std::vector<std::uint32_t> indices_0, indices_1 = {1, 3, 0, 1, 2};
   std::vector<float> values = {1};
 
-  Dataset read() const {
+  Dataset read(MatrixNotes* notes = nullptr) const {
     const TemporaryFolder folder;
     {
       Hdf5File file = Hdf5File::create(folder / "a.h5");
@@ -37,7 +37,7 @@ struct Source {
       array("/indices_1", indices_1);
       array("/values", values);
     }
-    return read_binsparse(Hdf5File::open(folder / "a.h5"));
+    return read_binsparse(Hdf5File::open(folder / "a.h5"), notes);
   }
   VisibilityMatrix matrix() const { return read().matrix; }
   std::string refusal() const {
@@ -110,6 +110,59 @@ TEST(Binsparse, DropsEntriesWhoseValueIsZero) {
   EXPECT_EQ(source.matrix(), VisibilityMatrix({3, 4}));
 }
 
+TEST(Binsparse, CountsWhatItDropsAndMirrors) {
+  Source source;
+  MatrixNotes notes;
+  source.read(&notes);
+  EXPECT_EQ(notes, MatrixNotes{});
+  source.descriptor["data_types"]["values"] = "float64";
+  source.values = {0, 2, 3, 0, -1};
+  source.read(&notes);
+  EXPECT_EQ(notes, (MatrixNotes{0, 0, 2}));
+  source.descriptor["shape"] = {4, 4};
+  source.descriptor["structure"] = "symmetric_lower";
+  source.pointers = {0, 1, 2, 4, 5};
+  source.indices_1 = {0, 0, 0, 2, 1};
+  source.values = {1, 1, 0, 1, 1};
+  EXPECT_EQ(source.read(&notes).matrix, VisibilityMatrix::from_rows({{0, 1}, {0, 3}, {2}, {1}}, 4));
+  EXPECT_EQ(notes, (MatrixNotes{0, 2, 1}));
+}
+
+TEST(Binsparse, TakesVersionsAsPeopleWriteThem) {
+  Source source;
+  for (const json& version :
+       {json("0.1"), json("0.1.0"), json("0.5.0-rc1"), json("1.0"), json(0.1), json(1)}) {
+    source.descriptor["version"] = version;
+    EXPECT_EQ(source.matrix(), stored) << version;
+  }
+  for (const json& version :
+       {json("2.0.0"), json(""), json("10.1"), json(11), json(-0.1), json(true), json::array()}) {
+    source.descriptor["version"] = version;
+    EXPECT_TRUE(source.refusal().find("version is " + version.dump() + "; 0.x and 1.x") != std::string::npos)
+        << source.refusal();
+  }
+}
+
+TEST(Binsparse, NeedsNoNumberOfStoredValues) {
+  Source source;
+  source.descriptor.erase("number_of_stored_values");
+  EXPECT_EQ(source.matrix(), stored);
+  source.descriptor["format"] = "COO";
+  source.indices_0 = {0, 0, 2, 2, 2};
+  EXPECT_EQ(source.matrix(), stored);
+  source.descriptor["format"] = "DMATC";
+  source.descriptor["data_types"]["values"] = "uint8";
+  source.values = {0, 0, 1, 1, 0, 1, 0, 0, 1, 1, 0, 0};
+  EXPECT_EQ(source.matrix(), stored);
+  source.descriptor["shape"] = {1u << 20, 1u << 20};
+  EXPECT_NE(source.refusal().find("/values: has 12 entries, but the shape calls for 1099511627776"),
+            std::string::npos);
+  source.descriptor["data_types"]["values"] = "iso[uint8]";
+  source.values = {1};
+  EXPECT_NE(source.refusal().find("visible entries by a single value"), std::string::npos)
+      << source.refusal();
+}
+
 TEST(Binsparse, ExpandsOneTriangle) {
   Source source;
   source.descriptor["shape"] = {4, 4};
@@ -172,7 +225,7 @@ TEST(Binsparse, RefusesWhatTheSpecificationForbids) {
   refused("is a vector", [](Source& s) { s.descriptor["format"] = "CVEC"; });
   refused("is not known", [](Source& s) { s.descriptor["format"] = "BSR\n\x01"; });
   refused("custom formats", [](Source& s) { s.descriptor["custom"] = json::object(); });
-  refused("version is \"7.1\"", [](Source& s) { s.descriptor["version"] = "7.1"; });
+  refused("custom formats", [](Source& s) { s.descriptor["format"] = {{"level", "dense"}}; });
   refused("/fill_value: is missing", [](Source& s) { s.descriptor["fill"] = true; });
   refused("/indices_0: entry 1 is 0 after 2; they must ascend", [](Source& s) {
     s.descriptor["format"] = "DCSR";

@@ -91,7 +91,7 @@ class Binsparse(unittest.TestCase):
             self.assertEqual(self.convert(self.path / "in.mtx", self.path / "a.bsp.h5"), (0, ""))
             with h5py.File(self.path / "a.bsp.h5") as file:
                 descriptor = json.loads(file.attrs["binsparse"])["binsparse"]
-                self.assertEqual(descriptor["version"], "0.1")
+                self.assertEqual(descriptor["version"], "0.1.0")
                 self.assertEqual(descriptor["format"], "CSR")
                 self.assertEqual(descriptor["number_of_stored_values"], source.nnz)
                 types = descriptor["data_types"]

@@ -185,7 +185,8 @@ TEST(Dataset, IsToldByItsFirstBytes) {
   EXPECT_EQ(read_dataset(folder / "c.h5").matrix, full_dataset().matrix);
   EXPECT_EQ(read_dataset(folder / "c.mtx"), full_dataset());
   std::ofstream(folder / "d.mtx") << "3 4 5\n";
-  EXPECT_NE(reading_refusal(folder / "d.mtx").find("d.mtx: is neither"), std::string::npos);
+  EXPECT_NE(reading_refusal(folder / "d.mtx").find("d.mtx: is no matrix file; a matrix is read from"),
+            std::string::npos);
   EXPECT_NE(reading_refusal(folder / "e").find("No such file"), std::string::npos);
   EXPECT_THROW(write_dataset(folder / "a.txt", Dataset{}), std::invalid_argument);
 }

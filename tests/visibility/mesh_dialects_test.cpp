@@ -509,17 +509,17 @@ TEST(MeshDialects, GzipIsUnpackedWithinBounds) {
   EXPECT_EQ(told(packed + "\0\0\0"s, MeshFormat::obj), both + " 3 bytes after the packed data;");
   EXPECT_EQ(told(gzip(packed), MeshFormat::obj), "is packed by gzip twice; unpack it by gunzip");
   for (std::size_t size = 2; size < packed.size(); ++size) {
-    EXPECT_EQ(told(std::string_view(packed).substr(0, size), MeshFormat::obj),
-              "is a gzip file that is cut short")
+    EXPECT_TRUE(
+        told(std::string_view(packed).substr(0, size), MeshFormat::obj).starts_with("gzip: ends early"))
         << size;
   }
   std::string damaged = packed;
   damaged[packed.size() - 6] ^= 1;
-  EXPECT_EQ(told(damaged, MeshFormat::obj), "is a damaged gzip file: incorrect data check");
+  EXPECT_TRUE(told(damaged, MeshFormat::obj).starts_with("gzip: is damaged"));
   const std::string bomb = gzip(std::string(30 << 20, '\n'));
   EXPECT_EQ(told(bomb, MeshFormat::obj),
-            "is a gzip file that unpacks to more than " + std::to_string((16 << 20) + 100 * bomb.size()) +
-                " bytes, over 100 times its size; unpack it by gunzip if that is right");
+            "gzip: unpacks to more than " + std::to_string((16 << 20) + 100 * bomb.size()) +
+                " bytes, far more than files of this size do; unpack it with gunzip if that is right");
 
   const TemporaryFolder folder;
   for (const MeshFormat format : formats) {

@@ -18,7 +18,7 @@
 
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
-#include "visibility/meshes/gzip.h"
+#include "matrix/files/gzip.h"
 #include "visibility/meshes/mesh_readers.h"
 #include "visibility/meshes/polygons.h"
 #include "visibility/meshes/text.h"
@@ -111,10 +111,12 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& path) {
 MeshFile parse_mesh(std::span<const std::byte> bytes, MeshFormat format, const MeshPlacement& placement) {
   if (bytes.empty()) throw FormatError("is empty");
   if (is_gzip(bytes)) {
-    const Gunzipped unpacked = gunzipped(bytes);
-    if (is_gzip(unpacked.bytes)) throw FormatError("is packed by gzip twice; unpack it by gunzip");
-    MeshFile file = parse_mesh(unpacked.bytes, format, placement);
-    file.leave_out(unpacked.after_end, "bytes after the packed data");
+    std::uint64_t after_end = 0;
+    const std::vector<std::byte> unpacked =
+        gunzip(bytes, (std::uint64_t{16} << 20) + 100 * bytes.size(), &after_end);
+    if (is_gzip(unpacked)) throw FormatError("is packed by gzip twice; unpack it by gunzip");
+    MeshFile file = parse_mesh(unpacked, format, placement);
+    file.leave_out(after_end, "bytes after the packed data");
     return file;
   }
   switch (format) {
