@@ -1,6 +1,5 @@
 #include "matrix/files/dataset_file.h"
 
-#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -34,33 +33,28 @@ Dataset read_dataset(const std::filesystem::path& path) {
   }
 }
 
-void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
+void check_matrix_name(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
-  if (name.ends_with(".mtx")) {
-    AtomicFile file(path);
-    std::ofstream out(file.partial_path(), std::ios::binary);
-    write_matrix_market(out, dataset);
-    out.close();
-    if (!out) throw std::runtime_error(path.string() + ": cannot be written; is the disk full?");
-    return file.commit();
-  }
-  if (!name.ends_with(".h5") && !name.ends_with(".hdf5")) {
+  if (!name.ends_with(".h5") && !name.ends_with(".hdf5") && !name.ends_with(".mtx")) {
     throw std::invalid_argument(path.string() + ": a matrix is written as .bsp.h5, .h5, .hdf5 or .mtx");
+  }
+}
+
+void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
+  check_matrix_name(path);
+  if (path.filename().string().ends_with(".mtx")) {
+    AtomicFile file(path);
+    AtomicFileStream out(file);
+    write_matrix_market(out, dataset);
+    out.flush();
+    return file.commit();
   }
   try {
     check_source_map(dataset.source, dataset.matrix.shape());
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(path.string() + ": would not be read again: " + error.what());
   }
-  AtomicFile partial(path);
-  try {
-    Hdf5File file = Hdf5File::create(partial.partial_path());
-    write_binsparse(file, dataset);
-    file.close();
-  } catch (const FormatError& error) {
-    throw std::runtime_error(path.string() + ": " + error.what());
-  }
-  partial.commit();
+  write_hdf5(path, [&](Hdf5File& file) { write_binsparse(file, dataset); });
 }
 
 }  // namespace vismat

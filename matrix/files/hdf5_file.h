@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -51,6 +52,10 @@ class Hdf5File {
   explicit Hdf5File(std::unique_ptr<Handle> handle);
   std::unique_ptr<Handle> handle_;
 };
+
+/// Lets `contents` write a file that appears under its name when it is complete (AtomicFile). Throws std::runtime_error
+/// naming the file if it cannot be written, on a full disk too.
+void write_hdf5(const std::filesystem::path& path, const std::function<void(Hdf5File&)>& contents);
 
 /// Whether a regular file begins with HDF5's signature; false for what cannot be opened.
 bool is_hdf5(const std::filesystem::path& path);
