@@ -10,6 +10,8 @@
 #include <optional>
 #include <sstream>
 
+#include "programs/process.h"
+
 namespace vismat {
 namespace {
 
@@ -212,6 +214,11 @@ Program& Program::example(const std::string& command) {
 }
 
 int Program::run(int argc, char** argv) {
+  begin_process();
+  return end_process(name_, parse_and_run(argc, argv));
+}
+
+int Program::parse_and_run(int argc, char** argv) {
   const auto fail = [&](const char* why) {
     std::fprintf(stderr, "%s: %s\n", name_.c_str(), why);
     return 1;

@@ -76,10 +76,12 @@ class Program {
   Program& example(const std::string& command);
 
   /// Parses the arguments, runs the verb that they name, and returns the exit code: 0, or 1 after one line on stderr
-  /// that says what was wrong with the arguments or what the verb threw.
+  /// that says what was wrong with the arguments, with standard output, or what the verb threw. See process.h, too.
   int run(int argc, char** argv);
 
  private:
+  int parse_and_run(int argc, char** argv);
+
   std::string name_;
   std::unique_ptr<CLI::App> app_;
 };
