@@ -3,7 +3,6 @@
 #include <memory>
 #include <numeric>
 #include <optional>
-#include <stdexcept>
 
 #include "cli/cells_options.h"
 #include "cli/verbs.h"
@@ -55,9 +54,6 @@ VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const 
 }
 
 void run_cells(const CellsArguments& arguments) {
-  if (!(arguments.resize > 0 && arguments.resize <= 1000)) {
-    throw std::invalid_argument("--resize must be above 0 and at most 1000");
-  }
   const CellsChoice choice = parse_cells(arguments.cells);
   SceneFile file = read_any_scene(arguments.scene).file;
   const RayCaster caster(file.scene);
@@ -110,19 +106,20 @@ void add_cells_options(const Verb& verb, CellsWords& words) {
 void add_cells(Program& program) {
   const auto arguments = std::make_shared<CellsArguments>();
   const Verb verb = program.verb("cells", "Make view cells for a scene, wherever a viewer can be");
-  verb.option("SCENE", arguments->scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
+  verb.input("SCENE", arguments->scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
       .required();
   add_cells_options(verb, arguments->cells);
-  verb.option(
-      "--resize", arguments->resize,
-      "Multiply the size of each view cell by this, about its middle; the cells then overlap or leave gaps");
+  verb.option("--resize", arguments->resize,
+              "Multiply the size of each view cell by this, about its middle; the cells then overlap or "
+              "leave gaps")
+      .between(1e-3, 1000);
   verb.option("--rays", arguments->rays,
               "Number of rays for each object and view cell that count an octree's visible triangles")
       .between(1, 1000000);
   verb.flag("--drawn", arguments->drawn,
             "Count for an octree the triangles that are drawn: at levels of detail and without back faces");
   verb.threads(arguments->threads);
-  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.output(arguments->output, Written::scene, "The scene file to write (.scene.h5)");
   verb.example("vismat cells city.scene.h5 --cells grid:4,4,1.5 --region 0,0,1,640,640,2.5 -o grid.scene.h5");
   verb.runs([arguments] { run_cells(*arguments); });
 }

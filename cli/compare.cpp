@@ -211,7 +211,7 @@ void add_compare(Program& program) {
   const auto options = std::make_shared<CompareOptions>();
   const Verb verb = program.verb(
       "compare", "Measure every codec on every matrix: the compressed size and the decoding speed");
-  verb.option("MATRIX", options->files, "The matrix files (.bsp.h5 or .mtx)").required();
+  verb.input("MATRIX", options->files, "The matrix files (.bsp.h5 or .mtx)").required();
   verb.option("--orders", options->orders,
               "natural (as it is in the file), best (rows and columns as 'vismat order' puts them), or both")
       .comma_separated()
@@ -221,10 +221,11 @@ void add_compare(Program& program) {
   verb.flag("--distinct", options->distinct,
             "Keep one of each set of equal columns; which are equal counts as part of the order's size");
   verb.option(
-      "--seconds", options->seconds,
-      "Seconds for each measurement: passes are repeated until this time is over, and the median time of "
-      "a pass is reported");
-  verb.option("--csv", options->csv, "Also write the figures as a table (.csv)");
+          "--seconds", options->seconds,
+          "Seconds for each measurement: passes are repeated until this time is over, and the median time of "
+          "a pass is reported")
+      .between(0, 1e7);
+  verb.output("--csv", options->csv, Written::text, "Also write the figures as a table (.csv)");
   verb.note(
       "Sizes are those of the payload, the index and the model's sections. Codecs that decode single rows "
       "are timed row by row into one buffer; others, and those over a tree, decode the whole matrix.\n"

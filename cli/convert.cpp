@@ -15,11 +15,11 @@ void add_convert(Program& program) {
   const auto options = std::make_shared<Options>();
   const Verb verb =
       program.verb("convert", "Convert a matrix file between Binsparse on HDF5 and Matrix Market");
-  verb.option("MATRIX", options->input,
-              "The matrix file to read (.bsp.h5, .h5, .hdf5 or .mtx; its first bytes tell which)")
+  verb.input("MATRIX", options->input,
+             "The matrix file to read (.bsp.h5, .h5, .hdf5 or .mtx; its first bytes tell which)")
       .required();
   verb.output(
-      options->output,
+      options->output, Written::matrix,
       "The matrix file to write (.bsp.h5, .h5, .hdf5, or .mtx, which keeps only the matrix and the facts)");
   verb.example("vismat convert koth1.bsp.h5 -o koth1.mtx");
   verb.runs([options] { write_dataset(options->output, read_dataset(options->input)); });

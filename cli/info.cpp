@@ -207,8 +207,8 @@ void add_info(Program& program) {
   const auto file = std::make_shared<std::string>();
   const Verb verb =
       program.verb("info", "Print what a file holds: a matrix, a compressed matrix, a scene or levels");
-  verb.option("FILE", *file,
-              "The file (.bsp.h5, .mtx, .vmat, .scene.h5, .bsp, .pk3, .wad), or a level in one: FILE:MAP")
+  verb.input("FILE", *file,
+             "The file (.bsp.h5, .mtx, .vmat, .scene.h5, .bsp, .pk3, .wad), or a level in one: FILE:MAP")
       .required();
   verb.example("vismat info koth1.bsp.h5");
   verb.example("vismat info pak6-patch085.pk3      (lists its levels)");

@@ -199,8 +199,8 @@ void add_order(Program& program) {
   const auto options = std::make_shared<OrderOptions>();
   options->order.stages = show_progress;
   const Verb verb = program.verb("order", "Reorder rows and columns so that similar ones are neighbours");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
-  verb.output(options->out, "The matrix file to write; its orders are stored with it");
+  verb.input("MATRIX", options->in, "The matrix file to read (.bsp.h5 or .mtx)").required();
+  verb.output(options->out, Written::matrix, "The matrix file to write; its orders are stored with it");
   verb.option("--columns", options->columns, "Method that orders the columns; see the list below");
   verb.option("--rows", options->rows,
               "Method that orders the rows; also 'neighbours': greedy order among touching view cells");
@@ -208,7 +208,8 @@ void add_order(Program& program) {
             "Give the rows of a square matrix the same order as its columns");
   verb.option("--seed", options->order.seed, "Seed of the methods that draw random numbers");
   verb.option("--seconds", options->order.seconds,
-              "Improve tours for this long; 0: until a fixed number of changes has been tried");
+              "Improve tours for this long; 0: until a fixed number of changes has been tried")
+      .between(0, 1e7);
   verb.option("--bound", options->bound,
               "Lower bound on the number of runs in any order: none, quick (seconds; a minute for 25,000 "
               "columns), or tight")
@@ -218,7 +219,7 @@ void add_order(Program& program) {
               "Memory for ordering the columns in bytes, such as 12G; 0: no limit. Where it is too little, "
               "best and scale-tour keep the transposed matrix in a temporary file beside the output")
       .size_in_bytes();
-  verb.option("--json", options->json,
+  verb.output("--json", options->json, Written::text,
               "Also write the runs, the bound, the seconds and the peak memory to this file");
   std::string methods;
   for (const Reordering& method : reorderings())

@@ -29,8 +29,8 @@ TEST_F(Program, MakesScenesOfMeshes) {
   refuses("bad.obj", "bad.obj: line 3: a coordinate is not a number within 1e9 of the origin");
   refuses("flat.OBJ", "flat.OBJ: none of its 1 triangles has an area");
   refuses("two.obj --scale 1e30", "two.obj: a coordinate is farther than 1e9 m");
-  refuses("two.obj --scale -1", "a scene's scale is a number above 0");
-  refuses("two.obj --weld -1", "the tolerance is 0 or between 1e-6 and 1e9");
+  refuses("two.obj --scale 0", "a scene's scale is a number above 0");
+  refuses("two.obj --weld 1e-9", "the tolerance is 0 or between 1e-6 and 1e9");
   refuses("two.scene.h5 --scale 2", "two.scene.h5: its lengths and its up are known");
   refuses("two.obj --objects groups", "--objects");
   refuses("no.pk3:maps/a.bsp", "no.pk3");
