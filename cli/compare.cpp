@@ -106,11 +106,11 @@ Figures measure(const Codec& codec, const Dataset& data, double seconds) {
   return figures;
 }
 
-Subject subject_of(const std::filesystem::path& file, const std::string& order, bool distinct) {
+Subject subject_of(const std::filesystem::path& file, Dataset data, const std::string& order, bool distinct) {
   Subject s;
   s.matrix = matrix_name(file);
   s.order = order;
-  s.data = read_dataset(file);
+  s.data = std::move(data);
   const auto [rows, columns] = s.data.matrix.shape();
   if (distinct) {
     auto kinds = distinct_columns(s.data.matrix);
@@ -188,8 +188,10 @@ void run_compare(const CompareOptions& options) {
       "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,"
       "row_p99_us\n";
   for (const auto& file : options.files) {
+    Dataset data = read_dataset(file);  // once, or it might be another one by the next order
     for (const std::string& order : options.orders) {
-      const Subject s = subject_of(file, order, options.distinct);
+      const bool last = &order == &options.orders.back();
+      const Subject s = subject_of(file, last ? std::move(data) : data, order, options.distinct);
       print_header(s);
       const auto progress = show_progress("codecs");
       std::uint64_t done = 0;

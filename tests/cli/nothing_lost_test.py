@@ -191,6 +191,10 @@ def places():
     refuse("is no regular file", "order", "pipe.mtx", "--columns", "best", "--memory", "1G", "-o", "out2.mtx")
     for name in ("pipe.vmat", "pipe.mtx", "pipe.bsp.h5"):
         os.remove(name)
+    # A matrix that comes once is measured in both orders.
+    once = subprocess.run(["sh", "-c", f"cat in.mtx | {vismat} compare /dev/stdin --orders natural,best --codecs delimiter --seconds 0"], env=environment,
+                          capture_output=True, text=True)
+    check(once.returncode == 0 and once.stdout.count("delimiter") == 2, once)
     compare = ["compare", "in.mtx", "--codecs", "delimiter", "--seconds", 0, "--csv", "/dev/stdout"]
     with open("both", "w") as both:
         succeed(*compare, stdout=both)
