@@ -177,7 +177,15 @@ void run_see(const SeeArguments& arguments) {
   file.cells = std::move(cells.cells);
   if (runner->leads()) std::fputs(cells.table.c_str(), stdout);
 
-  const Sight sight = producer.see(file.scene, file.cells, arguments.options, *runner, show_stages(*runner));
+  const auto see = [&] {
+    try {
+      return producer.see(file.scene, file.cells, arguments.options, *runner, show_stages(*runner));
+    } catch (const std::invalid_argument&) {  // an option that the first piece of work refuses
+      if (journal && journal->empty()) journal->remove();
+      throw;
+    }
+  };
+  const Sight sight = see();
   if (!runner->leads()) return;
   Output output{{}, arguments};
   output.all.provenance = made + "; of " +

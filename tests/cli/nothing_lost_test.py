@@ -309,7 +309,7 @@ def two_writers():
 def journals():
     see = ["see", "in.scene.h5", "--producer", "shadow", "--threads", 1, "-o", "seen.mtx"]
     cells = ["--cells", "grid:20", "--region=0,0,1,40,40,2"]
-    for wrong in (["--cells", "grid:0"], ["--cells", "grid:nan"], [*cells, "--eyes", "900"]):
+    for wrong in ([*cells, "--resolution", 0], ["--cells", "grid:0"], ["--cells", "grid:nan"], [*cells, "--eyes", "900"]):
         refuse("", *see, *wrong)
     succeed(*see, *cells)
     check(not Path("seen.mtx.journal").exists())

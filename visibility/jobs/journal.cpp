@@ -136,7 +136,7 @@ Journal::Journal(std::filesystem::path path, const std::string& work) : path_(st
 }
 
 Journal::~Journal() {
-  if (begun_.empty() && end_ == head_end_) remove();  // the work was refused before it began
+  if (begun_.empty() && empty()) remove();  // the work was refused before it began
   close();
 }
 

@@ -34,6 +34,8 @@ class Journal : public PieceStore {
   void store(const std::string& stage, std::uint64_t number, const JobRunner::Piece& piece) override;
   /// The number of pieces that earlier runs left.
   std::uint64_t found() const { return found_; }
+  /// Whether it holds no piece yet; not while others store.
+  bool empty() const { return end_ == head_end_; }
   /// Deletes the file, when the work is done and written elsewhere.
   void remove();
 
