@@ -137,13 +137,13 @@ void run_distance_statistics(const DistanceStatisticsOptions& options) {
 
 void add_distance_statistics(const Verb& verb) {
   const auto o = std::make_shared<DistanceStatisticsOptions>();
-  verb.option("--out", o->out, "Folder for the two tables");
+  verb.output("--out", o->out, Written::folder, "Folder for the two tables");
   verb.option("--scale", o->scale, "Also the synthetic matrices, at this share of the paper's size; 0: none")
       .between(1e-4, 1.);
   verb.option("--trials", o->trials, "Number of random points over which each mean is taken")
       .between(1u, 1'000'000u);
   verb.option("--seed", o->seed, "Seed of the random points");
-  verb.option("MATRIX", o->files, "Matrix files");
+  verb.input("MATRIX", o->files, "Matrix files");
   verb.note("A point is a column; equal columns count once.");
   verb.example("bench distance-statistics koth1.bsp.h5 --out out");
   verb.runs([o] { run_distance_statistics(*o); });

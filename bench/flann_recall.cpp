@@ -162,7 +162,7 @@ void add_flann_recall(const Verb& verb) {
   verb.option("-k,--neighbours", o->k, "Number of neighbours sought for each column").positive();
   verb.option("--queries", o->queries, "Number of columns whose neighbours are sought").positive();
   verb.option("--seed", o->seed, "Seed of the columns; FLANN has seeds of its own");
-  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.output("--csv", o->csv, Written::text, "File for the table as CSV");
   verb.example("bench flann-recall --rows 1024 --density 0.01 0.05 --csv flann.csv");
   verb.runs([o] { run_flann_recall(*o); });
 }

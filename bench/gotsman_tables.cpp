@@ -194,12 +194,13 @@ void run_gotsman_tables(const GotsmanTablesOptions& options) {
 
 void add_gotsman_tables(const Verb& verb) {
   const auto o = std::make_shared<GotsmanTablesOptions>();
-  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.output("--csv", o->csv, Written::text, "File for the table as CSV");
   verb.option("--orders", o->orders, "Orders of the columns").comma_separated().one_of({"natural", "best"});
   verb.option("--seconds", o->seconds,
               "Seconds for each measurement: passes are repeated until this time is over, and the median "
-              "time of a pass is reported");
-  verb.option("MATRIX", o->files, "Matrix files").required();
+              "time of a pass is reported")
+      .between(0, 1e7);
+  verb.input("MATRIX", o->files, "Matrix files").required();
   verb.example("bench gotsman-tables koth1.bsp.h5 --orders best --csv gotsman.csv");
   verb.runs([o] { run_gotsman_tables(*o); });
 }

@@ -355,12 +355,12 @@ void run_lossy_failures(const LossyFailuresOptions& options) {
 
 void add_lossy_failures(const Verb& verb) {
   const auto o = std::make_shared<LossyFailuresOptions>();
-  verb.option("--out", o->out, "Folder for the tables");
+  verb.output("--out", o->out, Written::folder, "Folder for the tables");
   verb.option("--lost", o->lost, "Share of the occlusions that merging may lose").between(0., .25);
   verb.option("--seeds", o->seeds, "Number of seeds that the paper's method is run with").between(1u, 1000u);
   verb.option("--size", o->size, "Number of rows, and of columns, of the random matrices")
       .between(10u, 100'000u);
-  verb.option("MATRIX", o->files, "Matrix files");
+  verb.input("MATRIX", o->files, "Matrix files");
   verb.example("bench lossy-failures --out out koth1.bsp.h5");
   verb.runs([o] { run_lossy_failures(*o); });
 }

@@ -107,8 +107,8 @@ void run_lossy_tables(const LossyTablesOptions& options) {
 
 void add_lossy_tables(const Verb& verb) {
   const auto o = std::make_shared<LossyTablesOptions>();
-  verb.option("MATRIX", o->files, "Matrix files").required();
-  verb.option("--csv", o->csv, "File for the tables as CSV");
+  verb.input("MATRIX", o->files, "Matrix files").required();
+  verb.output("--csv", o->csv, Written::text, "File for the tables as CSV");
   verb.flag("--append", o->append, "Add to that file instead of replacing it");
   verb.option("--lost", o->lost, "Shares of the occlusions that merging may lose")
       .comma_separated()

@@ -240,9 +240,9 @@ void run_never_hidden(const NeverHiddenOptions& options) {
 
 void add_never_hidden(const Verb& verb) {
   const auto o = std::make_shared<NeverHiddenOptions>();
-  verb.option("LEVEL", o->levels,
-              "Quake 3 levels to check as well, FILE.bsp or FILE.pk3:maps/NAME.bsp; their clusters' boxes "
-              "are the view cells");
+  verb.input("LEVEL", o->levels,
+             "Quake 3 levels to check as well, FILE.bsp or FILE.pk3:maps/NAME.bsp; their clusters' boxes "
+             "are the view cells");
   verb.option("--rays", o->rays, "Number of rays in all");
   verb.option("--cells", o->cells, "Largest number of view cells of each scene");
   verb.option("--patches", o->patches, "Number of patches of a view cell's surface");

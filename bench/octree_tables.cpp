@@ -88,14 +88,14 @@ void run_octree_tables(const OctreeTablesOptions& options) {
 
 void add_octree_tables(const Verb& verb) {
   const auto o = std::make_shared<OctreeTablesOptions>();
-  verb.option("SCENE", o->scenes,
-              "Scenes as for visibility-tables; dense-city is here only a quarter as large")
+  verb.input("SCENE", o->scenes,
+             "Scenes as for visibility-tables; dense-city is here only a quarter as large")
       .required();
   verb.option("--share", o->shares,
               "Thresholds, as shares of the scene's triangles: a view cell that sees more is divided")
       .comma_separated();
   verb.option("--levels", o->levels, "How often a view cell is divided at most");
-  verb.option("--csv", o->csv, "File for the tables as CSV");
+  verb.output("--csv", o->csv, Written::text, "File for the tables as CSV");
   verb.example("bench octree-tables dense-city --share 0.2 --levels 4 --csv octree.csv");
   verb.runs([o] { run_octree_tables(*o); });
 }

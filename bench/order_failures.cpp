@@ -323,7 +323,7 @@ void run_order_failures(const OrderFailuresOptions& options) {
 
 void add_order_failures(const Verb& verb) {
   const auto o = std::make_shared<OrderFailuresOptions>();
-  verb.option("--out", o->out, "Folder for the tables");
+  verb.output("--out", o->out, Written::folder, "Folder for the tables");
   verb.option("--scale", o->scale, "Size of the synthetic power plant, as a share of the paper's")
       .between(1e-4, 1.);
   verb.option("--seeds", o->seeds, "Number of seeds that each order is run with").between(3u, 1000u);
@@ -331,7 +331,7 @@ void add_order_failures(const Verb& verb) {
   verb.option("--queries", o->queries,
               "Number of columns whose nearest columns are also sought by brute force")
       .between(1u, 1'000'000u);
-  verb.option("MATRIX", o->files, "Matrix files");
+  verb.input("MATRIX", o->files, "Matrix files");
   verb.example("bench order-failures --out out city32.bsp.h5");
   verb.runs([o] { run_order_failures(*o); });
 }

@@ -151,7 +151,7 @@ void add_order_scale(const Verb& verb) {
               "Largest number of distinct columns for which the bound of Held and Karp is computed too");
   verb.threads(o->threads);
   verb.option("--seed", o->seed, "Seed of the matrix and of the orders");
-  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.output("--csv", o->csv, Written::text, "File for the table as CSV");
   verb.example("bench order-scale --scene city --scale 0.015625 0.0625 --csv scale.csv");
   verb.runs([o] { run_order_scale(*o); });
 }

@@ -111,15 +111,15 @@ void run_panne_search(const PanneSearchOptions& options) {
 
 void add_panne_search(const Verb& verb) {
   const auto o = std::make_shared<PanneSearchOptions>();
-  verb.option("MATRIX", o->matrices, "Matrix files");
+  verb.input("MATRIX", o->matrices, "Matrix files");
   verb.option("--scale", o->scales, "Also synthetic power plants, at these shares of the paper's size")
       .between(1e-4, 1.);
   verb.option("--seconds", o->seconds,
               "Seconds of the search on each matrix; 0: until little more is found, as codec panne does")
-      .not_negative();
+      .between(0, 1e7);
   verb.threads(o->threads);
   verb.option("--seed", o->seed, "Seed of the search and of the power plants");
-  verb.option("--csv", o->csv, "File for the curves as CSV, a line for each point");
+  verb.output("--csv", o->csv, Written::text, "File for the curves as CSV, a line for each point");
   verb.example("bench panne-search koth1.bsp.h5 --seconds 20 --csv panne.csv");
   verb.runs([o] { run_panne_search(*o); });
 }

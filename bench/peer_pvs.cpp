@@ -258,14 +258,14 @@ void run_peer_pvs(const PeerPvsOptions& options) {
 
 void add_peer_pvs(const Verb& verb) {
   const auto o = std::make_shared<PeerPvsOptions>();
-  verb.option("LEVEL", o->wheres, "Quake 3 levels, .pk3 files, or folders of them").required();
+  verb.input("LEVEL", o->wheres, "Quake 3 levels, .pk3 files, or folders of them").required();
   verb.option("--packets", o->packets, "Number of viewpoints in each cluster; 16 rays start from each");
   verb.option("--slit", o->slit,
               "How far a ray is moved to find out whether it passed a slit, in the level's units");
   verb.option("--examples", o->examples, "Number of unexplained rays that are printed for each level");
   verb.option("--seed", o->seed, "Seed of the rays");
   verb.threads(o->threads);
-  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.output("--csv", o->csv, Written::text, "File for the table as CSV");
   verb.example("bench peer-pvs cache/levels --csv peer_pvs.csv");
   verb.runs([o] { run_peer_pvs(*o); });
 }

@@ -123,8 +123,8 @@ void add_row_failures(const Verb& verb) {
     double seconds = .02;
   };
   const auto o = std::make_shared<Options>();
-  verb.option("--csv", o->csv, "File for the table as CSV");
-  verb.option("--seconds", o->seconds, "Seconds spent on each time that is measured");
+  verb.output("--csv", o->csv, Written::text, "File for the table as CSV");
+  verb.option("--seconds", o->seconds, "Seconds spent on each time that is measured").between(0, 1e7);
   verb.example("bench row-failures --csv failures.csv");
   verb.runs([o] {
     std::string csv = "row,why,ones,codec,bytes,of_bitmap,decode_us\n";

@@ -235,8 +235,8 @@ void run_row_speed(const VisibilityMatrix& matrix) {
 
 void add_row_speed(const Verb& verb) {
   const auto file = std::make_shared<std::filesystem::path>();
-  verb.option("MATRIX", *file,
-              "Matrix file; without one, differences like those of Chhugani et al. 2005 are made");
+  verb.input("MATRIX", *file,
+             "Matrix file; without one, differences like those of Chhugani et al. 2005 are made");
   verb.note(
       "Other arguments are Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
   verb.example("bench row-speed koth1.bsp.h5 --benchmark_filter=delimiter");

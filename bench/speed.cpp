@@ -66,7 +66,7 @@ void run_speed(Dataset data) {
 
 void add_speed(const Verb& verb) {
   const auto file = std::make_shared<std::filesystem::path>();
-  verb.option("MATRIX", *file, "Matrix file").required();
+  verb.input("MATRIX", *file, "Matrix file").required();
   verb.note(
       "Other arguments are Google Benchmark's: --benchmark_filter=REGEX, --benchmark_repetitions=9, ...");
   verb.example("bench speed koth1.bsp.h5 --benchmark_filter=decode");

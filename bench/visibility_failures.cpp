@@ -368,7 +368,7 @@ void run_visibility_failures(const VisibilityFailuresOptions& options) {
 
 void add_visibility_failures(const Verb& verb) {
   const auto o = std::make_shared<VisibilityFailuresOptions>();
-  verb.option("--out", o->out, "Folder for the tables");
+  verb.output("--out", o->out, Written::folder, "Folder for the tables");
   verb.option("--places", o->places, "Number of places, spread over a city").between(1u, 1000u);
   verb.option("--cells", o->each, "Number of view cells at each place").between(1u, 1000u);
   verb.option("--only", o->only, "Only these studies")

@@ -148,9 +148,9 @@ void run_visibility_tables(const VisibilityTablesOptions& options) {
 
 void add_visibility_tables(const Verb& verb) {
   const auto o = std::make_shared<VisibilityTablesOptions>();
-  verb.option("SCENE", o->scenes, "Scenes: dense-city, box-city, plant, soup, tilted-boxes, or scene files")
+  verb.input("SCENE", o->scenes, "Scenes: dense-city, box-city, plant, soup, tilted-boxes, or scene files")
       .required();
-  verb.option("--csv", o->csv, "File for the table as CSV");
+  verb.output("--csv", o->csv, Written::text, "File for the table as CSV");
   verb.flag("--append", o->append, "Add to that file instead of replacing it");
   verb.option("--places", o->places, "Number of places, spread over the scene").between(1u, 1000u);
   verb.option("--cells", o->each, "Number of view cells at each place").between(1u, 1000u);

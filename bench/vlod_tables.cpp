@@ -190,7 +190,7 @@ void run_vlod_tables(const VlodTablesOptions& options) {
 
 void add_vlod_tables(const Verb& verb) {
   const auto o = std::make_shared<VlodTablesOptions>();
-  verb.option("MATRIX", o->files, "Matrices of differences, as vismat deltas writes them");
+  verb.input("MATRIX", o->files, "Matrices of differences, as vismat deltas writes them");
   verb.option("--scale", o->scales, "Also the synthetic power plant, at these shares of the paper's size")
       .comma_separated()
       .between(1e-4, 1.);
@@ -200,8 +200,8 @@ void add_vlod_tables(const Verb& verb) {
       .comma_separated();
   verb.option("--codes", o->codes, "Codecs that read single rows, named as in 'vismat encode'")
       .comma_separated();
-  verb.option("--seconds", o->seconds, "Seconds spent on each time that is measured");
-  verb.option("--csv", o->csv, "File for the tables as CSV");
+  verb.option("--seconds", o->seconds, "Seconds spent on each time that is measured").between(0, 1e7);
+  verb.output("--csv", o->csv, Written::text, "File for the tables as CSV");
   verb.example("bench vlod-tables differences.bsp.h5 --orders best --csv codes.csv");
   verb.runs([o] { run_vlod_tables(*o); });
 }

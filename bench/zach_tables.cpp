@@ -128,9 +128,9 @@ void add_zach_tables(const Verb& verb) {
     std::vector<std::filesystem::path> files;
   };
   const auto o = std::make_shared<Options>();
-  verb.option("--out", o->out, "Folder for zach2003.csv and zach2003_scenes.csv");
-  verb.option("MATRIX", o->files,
-              "Matrix files with a tree over the columns, as vismat see or vismat tree writes them")
+  verb.output("--out", o->out, Written::folder, "Folder for zach2003.csv and zach2003_scenes.csv");
+  verb.input("MATRIX", o->files,
+             "Matrix files with a tree over the columns, as vismat see or vismat tree writes them")
       .required();
   verb.example("bench zach-tables --out out city32.bsp.h5");
   verb.runs([o] {

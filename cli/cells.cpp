@@ -4,7 +4,6 @@
 #include <memory>
 #include <numeric>
 #include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "cli/cells_options.h"
@@ -70,9 +69,6 @@ double area_in_plan(const ViewCells& cells) {
 }
 
 void run_cells(const CellsArguments& arguments) {
-  if (!(arguments.resize > 0 && arguments.resize <= 1000)) {
-    throw std::invalid_argument("--resize must be above 0 and at most 1000");
-  }
   parse_cells(arguments.cells);  // refuses what cannot be before the scene is read
   SceneFile file = read_any_scene(arguments.scene).file;
   const CellsChoice choice = parse_cells(arguments.cells, file.origin);
@@ -133,19 +129,20 @@ void add_cells_options(const Verb& verb, CellsWords& words) {
 void add_cells(Program& program) {
   const auto arguments = std::make_shared<CellsArguments>();
   const Verb verb = program.verb("cells", "Make view cells for a scene, wherever a viewer can be");
-  verb.option("SCENE", arguments->scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
+  verb.input("SCENE", arguments->scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
       .required();
   add_cells_options(verb, arguments->cells);
-  verb.option(
-      "--resize", arguments->resize,
-      "Multiply the size of each view cell by this, about its middle; the cells then overlap or leave gaps");
+  verb.option("--resize", arguments->resize,
+              "Multiply the size of each view cell by this, about its middle; the cells then overlap or "
+              "leave gaps")
+      .between(1e-3, 1000);
   verb.option("--rays", arguments->rays,
               "Number of rays for each object and view cell that count an octree's visible triangles")
       .between(1, 1000000);
   verb.flag("--drawn", arguments->drawn,
             "Count for an octree the triangles that are drawn: at levels of detail and without back faces");
   verb.threads(arguments->threads);
-  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.output(arguments->output, Written::scene, "The scene file to write (.scene.h5)");
   verb.example("vismat cells city.scene.h5 --cells grid:4,4,1.5 --region 0,0,1,640,640,2.5 -o grid.scene.h5");
   verb.runs([arguments] { run_cells(*arguments); });
 }

@@ -40,7 +40,7 @@ void add_city(Program& program) {
   verb.option("--eye-low", o.eye_low, "Least height of the viewer's eyes, in metres");
   verb.option("--eye-high", o.eye_high, "Greatest height of the viewer's eyes, in metres");
   verb.option("--seed", o.seed, "Another seed makes another city");
-  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.output(arguments->output, Written::scene, "The scene file to write (.scene.h5)");
   verb.note(
       "The defaults make 'artificial 1' of Zach & Karner 2003; with --size 64 they make 'artificial 2'.");
   verb.example(

@@ -106,11 +106,11 @@ Figures measure(const Codec& codec, const Dataset& data, double seconds) {
   return figures;
 }
 
-Subject subject_of(const std::filesystem::path& file, const std::string& order, bool distinct) {
+Subject subject_of(const std::filesystem::path& file, Dataset data, const std::string& order, bool distinct) {
   Subject s;
   s.matrix = matrix_name(file);
   s.order = order;
-  s.data = read_matrix(file);
+  s.data = std::move(data);
   const auto [rows, columns] = s.data.matrix.shape();
   if (distinct) {
     auto kinds = distinct_columns(s.data.matrix);
@@ -188,8 +188,10 @@ void run_compare(const CompareOptions& options) {
       "matrix,rows,columns,ones,order,codec,origin,bytes,permutation_bytes,encode_s,decode_s,row_p50_us,"
       "row_p99_us\n";
   for (const auto& file : options.files) {
+    Dataset data = read_matrix(file);  // once, or it might be another one by the next order
     for (const std::string& order : options.orders) {
-      const Subject s = subject_of(file, order, options.distinct);
+      const bool last = &order == &options.orders.back();
+      const Subject s = subject_of(file, last ? std::move(data) : data, order, options.distinct);
       print_header(s);
       const auto progress = show_progress("codecs");
       std::uint64_t done = 0;
@@ -211,7 +213,7 @@ void add_compare(Program& program) {
   const auto options = std::make_shared<CompareOptions>();
   const Verb verb = program.verb(
       "compare", "Measure every codec on every matrix: the compressed size and the decoding speed");
-  verb.option("MATRIX", options->files, "The matrix files (.bsp.h5, .mtx, .npy or .npz)").required();
+  verb.input("MATRIX", options->files, "The matrix files (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.option("--orders", options->orders,
               "natural (as it is in the file), best (rows and columns as 'vismat order' puts them), or both")
       .comma_separated()
@@ -221,10 +223,11 @@ void add_compare(Program& program) {
   verb.flag("--distinct", options->distinct,
             "Keep one of each set of equal columns; which are equal counts as part of the order's size");
   verb.option(
-      "--seconds", options->seconds,
-      "Seconds for each measurement: passes are repeated until this time is over, and the median time of "
-      "a pass is reported");
-  verb.option("--csv", options->csv, "Also write the figures as a table (.csv)");
+          "--seconds", options->seconds,
+          "Seconds for each measurement: passes are repeated until this time is over, and the median time of "
+          "a pass is reported")
+      .between(0, 1e7);
+  verb.output("--csv", options->csv, Written::text, "Also write the figures as a table (.csv)");
   verb.note(
       "Sizes are those of the payload, the index and the model's sections. Codecs that decode single rows "
       "are timed row by row into one buffer; others, and those over a tree, decode the whole matrix.\n"

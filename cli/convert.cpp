@@ -34,12 +34,12 @@ void add_convert(Program& program) {
   const auto options = std::make_shared<ConvertOptions>();
   const Verb verb = program.verb(
       "convert", "Convert a matrix file between Binsparse on HDF5, Matrix Market, NumPy and SciPy");
-  verb.option("MATRIX", options->input,
-              "The matrix file to read: .bsp.h5, .h5, .hdf5, .mtx, .npy or .npz, all but HDF5 also gzipped "
-              "(.gz). Its first bytes tell which. FILE.h5:GROUP names a group of an HDF5 file, "
-              "FILE.npy:COLUMNS the columns of bits that numpy.packbits packed")
+  verb.input("MATRIX", options->input,
+             "The matrix file to read: .bsp.h5, .h5, .hdf5, .mtx, .npy or .npz, all but HDF5 also gzipped "
+             "(.gz). Its first bytes tell which. FILE.h5:GROUP names a group of an HDF5 file, "
+             "FILE.npy:COLUMNS the columns of bits that numpy.packbits packed")
       .required();
-  verb.output(options->output,
+  verb.output(options->output, Written::matrix,
               "The matrix file to write: .bsp.h5, .h5 or .hdf5; .mtx, which keeps only the matrix and the "
               "facts; .npy (an array of booleans) or .npz (for scipy.sparse.load_npz), which keep only the "
               "matrix");

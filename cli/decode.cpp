@@ -32,10 +32,10 @@ void run_decode(const DecodeOptions& options) {
 void add_decode(Program& program) {
   const auto options = std::make_shared<DecodeOptions>();
   const Verb verb = program.verb("decode", "Restore the matrix of a .vmat file, in the order of its source");
-  verb.option("FILE", options->in, "The .vmat file to read, of version 4 or 3").required();
-  verb.output(options->out, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
+  verb.input("FILE", options->in, "The .vmat file to read, of version 4 or 3").required();
+  verb.output(options->out, Written::matrix, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
   verb.flag("--as-stored", options->as_stored, "Leave rows and columns in the order of the .vmat file");
-  verb.option(
+  verb.input(
       "--boxes", options->boxes,
       "For codecs that code against bounding boxes, which none of ours does yet: a matrix file whose rows "
       "and columns have the boxes that the .vmat file was encoded with, in the order of the .vmat file");

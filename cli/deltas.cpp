@@ -139,11 +139,12 @@ void add_deltas(Program& program) {
   const auto options = std::make_shared<DeltasOptions>();
   const Verb verb =
       program.verb("deltas", "Turn a matrix into the differences between neighbouring view cells, or back");
-  verb.option(
+  verb.input(
           "MATRIX", options->in,
           "The matrix file to read (.bsp.h5, .mtx, .npy or .npz); with --undo, a file that this verb wrote")
       .required();
-  verb.output(options->out, "The matrix file to write (.bsp.h5), with two rows for each boundary");
+  verb.output(options->out, Written::matrix,
+              "The matrix file to write (.bsp.h5), with two rows for each boundary");
   const Option neighbours =
       verb.option("--neighbours", options->neighbours,
                   "Which view cells are neighbours. given: as the matrix file says; boxes: those whose boxes "

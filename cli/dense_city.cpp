@@ -47,7 +47,7 @@ void add_dense_city(Program& program) {
   verb.option("--eye-low", o.eye_low, "Least height of the viewer's eyes, in metres");
   verb.option("--eye-high", o.eye_high, "Greatest height of the viewer's eyes, in metres");
   verb.option("--seed", o.seed, "Another seed makes another city");
-  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.output(arguments->output, Written::scene, "The scene file to write (.scene.h5)");
   verb.example("vismat dense-city --size 8 -o dense8.scene.h5 && vismat info dense8.scene.h5");
   verb.runs([arguments] { run_dense_city(*arguments); });
 }

@@ -86,8 +86,8 @@ std::string codec_names() {
 void add_encode(Program& program) {
   const auto options = std::make_shared<EncodeArguments>();
   const Verb verb = program.verb("encode", "Compress a matrix into a .vmat file");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
-  verb.output(options->out, "The .vmat file to write");
+  verb.input("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
+  verb.output(options->out, Written::vmat, "The .vmat file to write");
   verb.option("--codec", options->codec, "One of " + codec_names());
   verb.option("--rows", options->order,
               "zach3 and zach4 reorder the rows by the greedy method, even if the file was ordered before; "
@@ -96,7 +96,7 @@ void add_encode(Program& program) {
   verb.option("--seconds", options->encode.seconds,
               "Time that codecs which search (panne) spend; the result then depends on the machine. 0: until "
               "little is gained, with the same result everywhere")
-      .not_negative();
+      .between(0, 1e7);
   verb.option(
       "--effort", options->encode.effort,
       "0 to 2: how much of the matrix the context model of gotsman3-context learns from; each step takes "

@@ -51,7 +51,7 @@ void add_generate(Program& program) {
   verb.flag("--harder", arguments->harder,
             "Make a less redundant matrix, in which view cells have less in common");
   verb.option("--seed", arguments->seed, "Another seed makes another matrix");
-  verb.output(arguments->output, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
+  verb.output(arguments->output, Written::matrix, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
   verb.note(
       "Rows are boundaries between view cells; columns are the objects that appear or vanish there. --scale "
       "1 makes the sizes of Chhugani et al. 2005: 350,000 x 400,000 (5.2e8 ones, which takes 4.2 GB of "

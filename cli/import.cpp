@@ -26,10 +26,6 @@ const std::map<std::string, LevelTree> trees = {
     {"none", LevelTree::none}, {"bounds", LevelTree::bounds}, {"level", LevelTree::level}};
 
 void write_faces(const Level& level, const ImportArguments& arguments) {
-  if (level.face_ids.empty()) {
-    throw std::invalid_argument(arguments.level + ": a " + level.format +
-                                " level without faces has no scene to write");
-  }
   SceneFile file;
   file.scene = level.face_scene;
   if (arguments.tree == "level") file.tree = level.face_tree;
@@ -52,10 +48,14 @@ void run_import(const ImportArguments& arguments) {
     throw std::invalid_argument("--nodes needs a tree: --tree bounds or --tree level");
   }
   const Level level = read_level(arguments.level, {.see_through = !arguments.scene.empty()});
+  if (!arguments.scene.empty() && level.face_ids.empty()) {
+    throw std::invalid_argument(arguments.level + ": a " + level.format +
+                                " level without faces has no scene to write");
+  }
   Dataset dataset = level_dataset(level, matrices.at(arguments.matrix), trees.at(arguments.tree));
   if (arguments.nodes) dataset = over_nodes(dataset);
-  if (!arguments.scene.empty()) write_faces(level, arguments);
   write_matrix(arguments.output, dataset);
+  if (!arguments.scene.empty()) write_faces(level, arguments);
   const Shape shape = dataset.matrix.shape();
   std::printf("%s: %u %ss x %u %ss, %.1f %% visible", arguments.output.c_str(), shape.rows,
               dataset.rows_are.c_str(), shape.columns, dataset.columns_are.c_str(),
@@ -74,8 +74,8 @@ void run_import(const ImportArguments& arguments) {
 void add_import(Program& program) {
   const auto arguments = std::make_shared<ImportArguments>();
   const Verb verb = program.verb("import", "Read a level of Quake 3 or Doom: what its view cells see");
-  verb.option("LEVEL", arguments->level, "The level").required();
-  verb.output(arguments->output, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
+  verb.input("LEVEL", arguments->level, "The level").required();
+  verb.output(arguments->output, Written::matrix, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
   verb.option("--matrix", arguments->matrix,
               "What the columns are: cells (Quake's clusters, Doom's sectors), or faces (Quake only)")
       .one_of({"cells", "faces"});
@@ -85,7 +85,7 @@ void add_import(Program& program) {
               "level: the level's own BSP tree")
       .one_of({"none", "bounds", "level"});
   verb.flag("--nodes", arguments->nodes, "Make the tree's nodes the columns");
-  verb.option("--scene", arguments->scene,
+  verb.output("--scene", arguments->scene, Written::scene,
               "Also write the faces' triangles as a scene file (.scene.h5), in which each face is an object");
   verb.note(
       "LEVEL is FILE.bsp, FILE.pk3:maps/NAME.bsp, FILE.wad:MAP or FILE.zip:NAME.wad:MAP; 'vismat info FILE' "

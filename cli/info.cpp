@@ -214,7 +214,7 @@ void print_info(const std::string& where) {
     const auto levels = list_levels(where);
     title("levels");
     print_levels(levels);
-  } else if (format.empty() && names_level(where)) {
+  } else if (format.empty() && (begin.starts_with("IBSP") || names_level(where))) {
     need_plain();
     const Level level = read_level(where, all_that_is_there);
     title("level");
@@ -251,10 +251,10 @@ void add_info(Program& program) {
   const auto file = std::make_shared<std::string>();
   const Verb verb = program.verb(
       "info", "Print what a file holds: a matrix, a compressed matrix, a scene, a mesh or levels");
-  verb.option("FILE", *file,
-              "The file (.bsp.h5, .mtx, .npy, .npz, .vmat, .scene.h5, .obj, .ply, .off, .stl, .bsp, .pk3, "
-              ".zip, .wad), or a part of one: "
-              "FILE:MAP of levels, FILE.h5:GROUP, FILE.npy:COLUMNS of packed bits")
+  verb.input("FILE", *file,
+             "The file (.bsp.h5, .mtx, .npy, .npz, .vmat, .scene.h5, .obj, .ply, .off, .stl, .bsp, .pk3, "
+             ".zip, .wad), or a part of one: "
+             "FILE:MAP of levels, FILE.h5:GROUP, FILE.npy:COLUMNS of packed bits")
       .required();
   verb.example("vismat info koth1.bsp.h5");
   verb.example("vismat info pak6-patch085.pk3      (lists its levels)");

@@ -1,23 +1,8 @@
 // The program vismat, with a file for each verb. A verb parses, calls one library and prints.
-#include <unistd.h>
-#include <csignal>
-
 #include "cli/verbs.h"
-#include "matrix/base/atomic_file.h"
 #include "programs/options.h"
 
-namespace {
-
-void interrupted(int signal) {
-  vismat::remove_partial_files();
-  ::_exit(128 + signal);
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, interrupted);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file over its limit is an error to report, as a full disk is
   vismat::Program program("vismat",
                           "vismat makes, reorders and compresses visibility matrices: which objects may be "
                           "seen from which view cell.",

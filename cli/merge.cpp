@@ -88,16 +88,16 @@ void add_merge(Program& program) {
   const auto options = std::make_shared<MergeOptions>();
   const Verb verb =
       program.verb("merge", "Merge similar view cells or objects; everything visible stays visible");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
+  verb.input("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.output(
-      options->out,
+      options->out, Written::matrix,
       "The matrix file to write (.bsp.h5): the unions of the groups, and which group each member is in");
   const Option lost =
       verb.option("--lost", options->lost, "Greatest share of the occlusions (zeros) that may be lost")
           .between(0, 1);
   verb.option("--added", options->added,
               "The same bound as a share of the visible entries (ones): how many may be added")
-      .not_negative()
+      .between(0, 1e9)
       .excludes(lost);
   verb.option("--max-per-cell", options->max_per_cell,
               "Greatest share of its own occlusions that any one view cell may lose")

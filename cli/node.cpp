@@ -50,7 +50,7 @@ void add_node(Program& program) {
   const auto options = std::make_shared<NodeOptions>();
   const Verb verb =
       program.verb("node", "Decode the children of one tree node of a .vmat file without the rest");
-  verb.option("FILE", options->in, "A .vmat file of a codec over a tree").required();
+  verb.input("FILE", options->in, "A .vmat file of a codec over a tree").required();
   verb.option("NODE", options->node, "The number of the node; 0 is the root").required();
   verb.flag("--ids", options->ids, "Also print the numbers in the node's own set, as in the .vmat file");
   verb.note(

@@ -1,10 +1,12 @@
 // vismat order: reorders a matrix's rows, columns or both, and tells how far the order may be from the best.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -17,6 +19,7 @@
 #include "layout/orders/greedy_order.h"
 #include "layout/reordering.h"
 #include "matrix/base/atomic_file.h"
+#include "matrix/base/checksum.h"
 #include "matrix/files/dataset_file.h"
 #include "programs/measuring.h"
 #include "programs/options.h"
@@ -90,11 +93,34 @@ Need memory_needed(const VisibilityMatrix& m, const std::string& method) {
   return {matrix + transpose + known, matrix + sketched + transpose / 64};
 }
 
+std::uint32_t checksum_of(const VisibilityMatrix& matrix) {
+  const std::array parts = {crc32(std::as_bytes(matrix.offsets())), crc32(std::as_bytes(matrix.ids()))};
+  return crc32(std::as_bytes(std::span(parts)));
+}
+
+// The same matrix a second time.
+Dataset read_again(const std::filesystem::path& path, Shape shape, std::uint32_t checksum) {
+  const auto refuse = [&](const std::string& how) {
+    throw std::runtime_error(path.string() + ": changed while its columns were ordered" + how +
+                             "; nothing is written");
+  };
+  Dataset data;
+  try {
+    data = read_dataset(path);
+  } catch (const std::exception& error) {
+    refuse(" (" + std::string(error.what()) + ")");
+  }
+  if (data.matrix.shape() != shape || checksum_of(data.matrix) != checksum) refuse("");
+  return data;
+}
+
 // As order_side, with the transpose in a file beside the output and the matrix given up meanwhile.
 Result order_out_of_core(Dataset& data, const OrderOptions& options, std::uint64_t needed) {
   const double start = wall_seconds();
   Result result;
   result.runs_before = count_runs(data.matrix);
+  const Shape shape = data.matrix.shape();
+  const std::uint32_t checksum = checksum_of(data.matrix);
   const auto folder = std::filesystem::absolute(options.out).parent_path();
   const SparsePoints points(data.matrix, folder,
                             std::min<std::uint64_t>(options.memory - needed, 1 << 30) + (1 << 16));
@@ -109,7 +135,7 @@ Result order_out_of_core(Dataset& data, const OrderOptions& options, std::uint64
     result.runs_after = result.runs_before;
   }
   if (options.bound != "none") result.bound = lower_bound(points, visits, options.bound_options()).runs;
-  data = read_dataset(options.in);
+  data = read_again(options.in, shape, checksum);
   return result;
 }
 
@@ -139,6 +165,11 @@ nlohmann::json report(const Result& r) {
 }
 
 void run_order(const OrderOptions& options) {
+  if (options.memory != 0 && std::filesystem::exists(options.in) &&
+      !std::filesystem::is_regular_file(options.in)) {
+    throw std::invalid_argument(options.in.string() +
+                                ": is no regular file; --memory may read the matrix twice, which needs one");
+  }
   Dataset data = read_matrix(options.in);
   const Shape shape = data.matrix.shape();
   if (options.columns == "identity" && options.rows == "identity") {
@@ -185,13 +216,13 @@ void run_order(const OrderOptions& options) {
     std::printf(
         "the rows were differences between cells, known by their places; so the boundaries are left out\n");
   }
+  write_matrix(options.out, result);
   if (!options.json.empty()) {
     nlohmann::json json = report(of_columns ? *of_columns : *of_rows);
     if (of_columns && of_rows) json["rows"] = report(*of_rows);
     const std::string text = json.dump(2) + "\n";
     write_file(options.json, std::as_bytes(std::span(text)));
   }
-  write_matrix(options.out, result);
 }
 
 }  // namespace
@@ -200,8 +231,8 @@ void add_order(Program& program) {
   const auto options = std::make_shared<OrderOptions>();
   options->order.stages = show_progress;
   const Verb verb = program.verb("order", "Reorder rows and columns so that similar ones are neighbours");
-  verb.option("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
-  verb.output(options->out, "The matrix file to write; its orders are stored with it");
+  verb.input("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
+  verb.output(options->out, Written::matrix, "The matrix file to write; its orders are stored with it");
   verb.option("--columns", options->columns, "Method that orders the columns; see the list below");
   verb.option("--rows", options->rows,
               "Method that orders the rows; also 'neighbours': greedy order among touching view cells");
@@ -209,7 +240,8 @@ void add_order(Program& program) {
             "Give the rows of a square matrix the same order as its columns");
   verb.option("--seed", options->order.seed, "Seed of the methods that draw random numbers");
   verb.option("--seconds", options->order.seconds,
-              "Improve tours for this long; 0: until a fixed number of changes has been tried");
+              "Improve tours for this long; 0: until a fixed number of changes has been tried")
+      .between(0, 1e7);
   verb.option("--bound", options->bound,
               "Lower bound on the number of runs in any order: none, quick (seconds; a minute for 25,000 "
               "columns), or tight")
@@ -219,7 +251,7 @@ void add_order(Program& program) {
               "Memory for ordering the columns in bytes, such as 12G; 0: no limit. Where it is too little, "
               "best and scale-tour keep the transposed matrix in a temporary file beside the output")
       .size_in_bytes();
-  verb.option("--json", options->json,
+  verb.output("--json", options->json, Written::text,
               "Also write the runs, the bound, the seconds and the peak memory to this file");
   std::string methods;
   for (const Reordering& method : reorderings())

@@ -39,7 +39,7 @@ void add_plant(Program& program) {
   verb.option("--cell", o.cell, "Side of a view cell, in metres");
   verb.option("--seed", o.seed, "Another seed makes another plant");
   verb.threads(arguments->threads);
-  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.output(arguments->output, Written::scene, "The scene file to write (.scene.h5)");
   verb.example("vismat plant --size 4 -o plant4.scene.h5 && vismat info plant4.scene.h5");
   verb.runs([arguments] { run_plant(*arguments); });
 }

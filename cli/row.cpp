@@ -99,7 +99,7 @@ void run_row(const RowOptions& options) {
 void add_row(Program& program) {
   const auto options = std::make_shared<RowOptions>();
   const Verb verb = program.verb("row", "Decode one row of a .vmat file without the rest");
-  verb.option("FILE", options->in, "A .vmat file of a codec that decodes single rows").required();
+  verb.input("FILE", options->in, "A .vmat file of a codec that decodes single rows").required();
   verb.option("ROW", options->row, "The number of the row; 0 is the first").required();
   verb.flag("--as-stored", options->as_stored,
             "Number rows and columns as in the .vmat file, not as in its source");

@@ -81,8 +81,8 @@ void add_scene(Program& program) {
   const auto arguments = std::make_shared<SceneArguments>();
   AnySceneOptions& o = arguments->options;
   const Verb verb = program.verb("scene", "Make a scene file from a mesh, a level or another scene file");
-  verb.option("INPUT", arguments->input, "The file that holds the triangles").required();
-  verb.output(arguments->output, "The scene file to write (.scene.h5)");
+  verb.input("INPUT", arguments->input, "The file that holds the triangles").required();
+  verb.output(arguments->output, Written::scene, "The scene file to write (.scene.h5)");
   verb.option(
       "--objects", arguments->objects,
       "What becomes an object. components: triangles that share vertices, which is a mesh's default; "

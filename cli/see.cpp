@@ -170,14 +170,25 @@ void run_see(const SeeArguments& arguments) {
   if (arguments.nodes && !file.tree) {
     throw std::invalid_argument(arguments.scene + ": has no tree, so --nodes cannot be; use --objects");
   }
-  const auto journal =
-      keep_journal(*runner, arguments.output,
-                   "see, scene " + std::to_string(checksum_of(file)) + "; " + chosen + "; " + made);
+  const std::string work = "see, scene " + std::to_string(checksum_of(file)) + "; " + chosen + "; " + made;
+  std::unique_ptr<Journal> journal;
+  // Cells that are refused leave no journal; those of an octree are counted in pieces that it keeps.
+  const bool counted = std::holds_alternative<OctreeCellsOptions>(choice);
+  if (counted) journal = keep_journal(*runner, arguments.output, work);
   ChosenCells cells = choose_cells(file.scene, file.cells, choice, count_triangles(file.scene, *runner));
+  if (!counted) journal = keep_journal(*runner, arguments.output, work);
   file.cells = std::move(cells.cells);
   if (runner->leads()) std::fputs(cells.table.c_str(), stdout);
 
-  const Sight sight = producer.see(file.scene, file.cells, arguments.options, *runner, show_stages(*runner));
+  const auto see = [&] {
+    try {
+      return producer.see(file.scene, file.cells, arguments.options, *runner, show_stages(*runner));
+    } catch (const std::invalid_argument&) {  // an option that the first piece of work refuses
+      if (journal && journal->empty()) journal->remove();
+      throw;
+    }
+  };
+  const Sight sight = see();
   if (!runner->leads()) return;
   Output output{{}, arguments};
   output.all.provenance = made + "; of " +
@@ -232,10 +243,10 @@ void add_see(Program& program) {
   const auto arguments = std::make_shared<SeeArguments>();
   SeeArguments& a = *arguments;
   const Verb verb = program.verb("see", "Find which objects are visible from each view cell of a scene");
-  verb.option("SCENE", a.scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level")
-      .required();
-  verb.output(a.output, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
-  verb.option("--seen", a.seen, "Also write the matrix of what is proven to be seen, with its sight lines");
+  verb.input("SCENE", a.scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level").required();
+  verb.output(a.output, Written::matrix, "The matrix file to write (.bsp.h5, .mtx, .npy or .npz)");
+  verb.output("--seen", a.seen, Written::matrix,
+              "Also write the matrix of what is proven to be seen, with its sight lines");
   add_cells_options(verb, a.cells);
   add_producers(verb, a);
   verb.threads(a.options.threads);

@@ -69,8 +69,8 @@ void run_tree(const TreeArguments& arguments) {
 void add_tree(Program& program) {
   const auto arguments = std::make_shared<TreeArguments>();
   const Verb verb = program.verb("tree", "Build a tree over a matrix's columns or rows");
-  verb.option("IN", arguments->input, "The matrix file to read").required();
-  verb.output(arguments->output, "The matrix file to write (.bsp.h5)");
+  verb.input("IN", arguments->input, "The matrix file to read").required();
+  verb.output(arguments->output, Written::matrix, "The matrix file to write (.bsp.h5)");
   verb.option("--side", arguments->side, "What the tree is built over: columns or rows")
       .one_of({"columns", "rows"});
   verb.option("--by", arguments->by,

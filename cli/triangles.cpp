@@ -87,15 +87,16 @@ void add_triangles(Program& program) {
   const auto arguments = std::make_shared<TrianglesArguments>();
   const Verb verb = program.verb(
       "triangles", "Count the triangles that are drawn from each view cell, with levels of detail");
-  verb.option("SCENE", arguments->scene, "The scene file (.scene.h5)").required();
-  verb.option("MATRIX", arguments->matrix,
-              "The matrix of its view cells and objects (made with 'vismat see --objects')")
+  verb.input("SCENE", arguments->scene, "The scene file (.scene.h5)").required();
+  verb.input("MATRIX", arguments->matrix,
+             "The matrix of its view cells and objects (made with 'vismat see --objects')")
       .required();
   verb.option("--width", arguments->screen.width, "Width of the picture in pixels");
   verb.option("--height", arguments->screen.height, "Height of the picture in pixels");
   verb.option("--field-of-view", arguments->screen.field_of_view, "Horizontal field of view in degrees");
   verb.threads(arguments->threads);
-  verb.option("-o,--output", arguments->table, "Also write the counts of each view cell as a table (.csv)");
+  verb.output("-o,--output", arguments->table, Written::text,
+              "Also write the counts of each view cell as a table (.csv)");
   verb.note(
       "Each visible object is counted at the coarsest level of detail whose error stays below a pixel, seen "
       "from anywhere in the view cell. Groups of triangles that face away from the whole view cell are not "

@@ -97,22 +97,24 @@ void add_verify(Program& program) {
   const Verb verb = program.verb("verify",
                                  "Prove that a merged matrix hides nothing visible, or check a matrix "
                                  "against its scene in exact arithmetic");
-  verb.option("MATRIX", options->matrix, "The matrix to verify (.bsp.h5, .mtx, .npy, .npz or .vmat)")
+  verb.input("MATRIX", options->matrix, "The matrix to verify (.bsp.h5, .mtx, .npy, .npz or .vmat)")
       .required();
   const Option original =
-      verb.option("ORIGINAL", options->original,
-                  "Its source, the matrix that was merged (.bsp.h5, .mtx, .npy, .npz or .vmat)");
+      verb.input("ORIGINAL", options->original,
+                 "Its source, the matrix that was merged (.bsp.h5, .mtx, .npy, .npz or .vmat)");
   const Option scene =
-      verb.option(
+      verb.input(
               "--witness", options->scene,
               "Check entries against this scene file, by sight lines and occluders, in exact arithmetic; the "
               "matrix must have objects as columns (vismat see --objects)")
           .excludes(original);
   verb.option("--samples", options->audit.entries,
               "Number of entries to check among those said to be seen, and among those said to be hidden")
+      .between(1, 1e9)
       .needs(scene);
   verb.option("--points", options->audit.points,
               "Number of points to check of each object that is said to be hidden")
+      .between(1, 1e9)
       .needs(scene);
   verb.option("--seed", options->audit.seed, "Another seed checks other entries").needs(scene);
   verb.note(

@@ -36,7 +36,7 @@ std::string csv_quoted(std::string_view text) {
 }
 
 std::string table_begin(const std::filesystem::path& path, std::string_view first_line, bool append) {
-  if (!append || !std::filesystem::exists(path)) return std::string(first_line);
+  if (!append || !std::filesystem::is_regular_file(path)) return std::string(first_line);
   const std::vector<std::byte> bytes = read_file(path);
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

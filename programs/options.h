@@ -5,12 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "programs/output_check.h"
+
 namespace CLI {
 class App;
 class Option;
 }  // namespace CLI
 
 namespace vismat {
+
+struct VerbFiles;
 
 /// An option or argument of a verb, and what its value must be. Borrows from its Program, as does Verb; both may be
 /// copied.
@@ -20,8 +24,7 @@ class Option {
   Option one_of(const std::vector<std::string>& words) const;
   Option between(double low, double high) const;  // both inclusive
   Option positive() const;
-  Option not_negative() const;
-  Option size_in_bytes() const;    // 12G is 12 * 2^30
+  Option size_in_bytes() const;    // 12G or 12GB is 12 * 2^30
   Option comma_separated() const;  // a list: --orders natural,best; else --orders natural best
   Option repeatable() const;       // a list: --from 1,2,3 --from 4,5,6
   Option excludes(Option other) const;
@@ -37,16 +40,23 @@ class Verb {
  public:
   /// A name that begins with '-' makes an option, such as "-o,--output"; any other name a positional argument. Help
   /// shows the present value as the default, except for empty text, lists and optionals. `value` must live until
-  /// Program::run ends, so keep it in what `runs` captures. Value may be text, a path, int, unsigned, size_t, float or
-  /// double, or an optional or a vector of one of these; see options.cpp.
+  /// Program::run ends, so keep it in what `runs` captures. Value may be text, int, unsigned, size_t, float or double,
+  /// or an optional or a vector of one of these; see options.cpp. Numbers are decimal, finite and not negative, and fit
+  /// their type; Option narrows that.
   template <typename Value>
   Option option(const std::string& name, Value& value, const std::string& help) const;
   Option flag(const std::string& name, bool& value, const std::string& help) const;
 
+  /// Files, which may be given as text or paths, or lists of them. Each file that the verb reads or writes has to be
+  /// added by one of these: before the verb runs, its outputs are checked by check_outputs, unless they are empty.
+  template <typename Value>
+  Option input(const std::string& name, Value& value, const std::string& help) const;
+  template <typename Value>
+  Option output(const std::string& name, Value& value, Written what, const std::string& help) const;
   /// The option -o,--output, which is required.
   template <typename Value>
-  Option output(Value& value, const std::string& help) const {
-    return option("-o,--output", value, help).required();
+  Option output(Value& value, Written what, const std::string& help) const {
+    return output("-o,--output", value, what, help).required();
   }
   /// The option --threads; 0 means one thread for each core.
   Option threads(unsigned& value) const;
@@ -62,8 +72,9 @@ class Verb {
 
  private:
   friend class Program;
-  explicit Verb(CLI::App* app) : app_(app) {}
+  Verb(CLI::App* app, VerbFiles* files) : app_(app), files_(files) {}
   CLI::App* app_;
+  VerbFiles* files_;
 };
 
 class Program {
@@ -76,12 +87,15 @@ class Program {
   Program& example(const std::string& command);
 
   /// Parses the arguments, runs the verb that they name, and returns the exit code: 0, or 1 after one line on stderr
-  /// that says what was wrong with the arguments or what the verb threw.
+  /// that says what was wrong with the arguments, with standard output, or what the verb threw. See process.h, too.
   int run(int argc, char** argv);
 
  private:
+  int parse_and_run(int argc, char** argv);
+
   std::string name_;
   std::unique_ptr<CLI::App> app_;
+  std::vector<std::unique_ptr<VerbFiles>> files_;  // of each verb
 };
 
 }  // namespace vismat

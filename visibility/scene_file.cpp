@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
 #include "matrix/files/hdf5_file.h"
 #include "matrix/files/hdf5_names.h"
@@ -211,9 +210,7 @@ SceneFile read_scene(const std::filesystem::path& path) {
 }
 
 void write_scene(const std::filesystem::path& path, const SceneFile& contents) {
-  AtomicFile final(path);
-  {
-    Hdf5File file = Hdf5File::create(final.partial_path());
+  write_hdf5(path, [&](Hdf5File& file) {
     const Scene& scene = contents.scene;
     const ViewCells& cells = contents.cells;
     const auto write_ids = [&](const std::string& name, std::span<const std::uint32_t> ids) {
@@ -249,9 +246,7 @@ void write_scene(const std::filesystem::path& path, const SceneFile& contents) {
       write_ids("/tree/parent_of_node", contents.tree->parent_of_node());
       write_ids("/tree/object_of_node", contents.tree->object_of_node());
     }
-    file.close();
-  }
-  final.commit();
+  });
 }
 
 }  // namespace vismat

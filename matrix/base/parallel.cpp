@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -35,7 +36,12 @@ void parallel_for(std::uint64_t count, unsigned threads, const std::function<voi
   };
   {
     std::vector<std::jthread> pool;
-    for (unsigned t = 1; t < threads; ++t) pool.emplace_back(run);
+    pool.reserve(threads - 1);
+    try {
+      for (unsigned t = 1; t < threads; ++t) pool.emplace_back(run);
+    } catch (const std::system_error&) {
+      // The system gives no more threads; those there are do the work.
+    }
     run();
   }
   if (error) std::rethrow_exception(error);

@@ -13,8 +13,8 @@ inline Progress begin_stage(const Stages& stages, const char* stage) {
   return stages ? stages(stage) : Progress{};
 }
 
-/// Calls work(i) once for each i in [0, count), on `threads` threads (0: one for each core). Items must not depend on
-/// one another; which thread runs which item is not fixed. The first exception that is thrown stops the loop and is
+/// Calls work(i) once for each i in [0, count), on `threads` threads (0: one for each core), or on fewer if the system
+/// gives no more. Items must not depend on one another; which thread runs which item is not fixed. The first exception that is thrown stops the loop and is
 /// rethrown.
 void parallel_for(std::uint64_t count, unsigned threads, const std::function<void(std::uint64_t)>& work,
                   const Progress& progress = {});

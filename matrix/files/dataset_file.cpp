@@ -1,7 +1,8 @@
 #include "matrix/files/dataset_file.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
-#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <tuple>
@@ -106,24 +107,22 @@ Dataset read_bytes(const MatrixFile& file, MatrixNotes* notes) {
 template <typename Write>
 void write_stream(const std::filesystem::path& path, const Write& write) {
   AtomicFile file(path);
-  std::ofstream out(file.partial_path(), std::ios::binary);
+  AtomicFileStream out(file);
   write(out);
-  out.close();
-  if (!out) throw std::runtime_error(path.string() + ": cannot be written; is the disk full?");
+  out.flush();
   file.commit();
 }
 
 // FILE of FILE.npy:COLUMNS; nothing for other names.
 std::optional<std::filesystem::path> packed_npy(const std::filesystem::path& name, std::uint32_t columns) {
-  const std::string& whole = name.native();
-  const std::size_t colon = whole.rfind(".npy:");
-  if (colon == std::string::npos) return std::nullopt;
-  if (const std::string part = whole.substr(colon + 5); part != std::to_string(columns)) {
+  const std::filesystem::path file = matrix_file_of(name);
+  if (file == name) return std::nullopt;
+  if (name.native().substr(file.native().size() + 1) != std::to_string(columns)) {
     throw std::invalid_argument(name.string() + ": the matrix has " + std::to_string(columns) +
                                 " columns; FILE.npy:" + std::to_string(columns) +
                                 " writes them as packed bits");
   }
-  return whole.substr(0, colon + 4);
+  return file;
 }
 
 }  // namespace
@@ -164,7 +163,22 @@ Dataset read_dataset(const std::filesystem::path& name, MatrixNotes* notes) {
   return read_dataset(open_matrix_file(name), notes);
 }
 
+std::filesystem::path matrix_file_of(const std::filesystem::path& name) {
+  const std::size_t colon = name.native().rfind(".npy:");
+  return colon == std::string::npos ? name : std::filesystem::path(name.native().substr(0, colon + 4));
+}
+
+void check_matrix_name(const std::filesystem::path& path) {
+  const std::string name = matrix_file_of(path).filename().string();
+  constexpr std::array endings = {".h5", ".hdf5", ".mtx", ".npy", ".npz"};
+  if (!std::ranges::any_of(endings, [&](const char* ending) { return name.ends_with(ending); })) {
+    throw std::invalid_argument(path.string() +
+                                ": a matrix is written as .bsp.h5, .h5, .hdf5, .mtx, .npy or .npz");
+  }
+}
+
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
+  check_matrix_name(path);
   const std::string name = path.filename().string();
   if (const auto file = packed_npy(path, dataset.matrix.shape().columns)) {
     return write_stream(*file, [&](std::ostream& out) { write_packed_npy(out, dataset.matrix); });
@@ -175,28 +189,13 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {
   if (name.ends_with(".npy")) {
     return write_stream(path, [&](std::ostream& out) { write_npy(out, dataset.matrix); });
   }
-  if (name.ends_with(".npz")) {
-    const std::vector<std::byte> bytes = npz_of(dataset.matrix);
-    return write_file(path, bytes);
-  }
-  if (!keeps_everything(path)) {
-    throw std::invalid_argument(path.string() +
-                                ": a matrix is written as .bsp.h5, .h5, .hdf5, .mtx, .npy or .npz");
-  }
+  if (name.ends_with(".npz")) return write_file(path, npz_of(dataset.matrix));
   try {
     check_source_map(dataset.source, dataset.matrix.shape());
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(path.string() + ": would not be read again: " + error.what());
   }
-  AtomicFile partial(path);
-  try {
-    Hdf5File file = Hdf5File::create(partial.partial_path());
-    write_binsparse(file, dataset);
-    file.close();
-  } catch (const FormatError& error) {
-    throw std::runtime_error(path.string() + ": " + error.what());
-  }
-  partial.commit();
+  write_hdf5(path, [&](Hdf5File& file) { write_binsparse(file, dataset); });
 }
 
 bool keeps_everything(const std::filesystem::path& path) {

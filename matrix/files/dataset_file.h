@@ -33,6 +33,10 @@ std::string_view format_of(const MatrixFile& file);
 /// stands. Throws FormatError or std::runtime_error, both naming the file.
 Dataset read_dataset(const std::filesystem::path& name, MatrixNotes* notes = nullptr);
 Dataset read_dataset(const MatrixFile& file, MatrixNotes* notes = nullptr);
+/// FILE of FILE.npy:COLUMNS; other names as they are.
+std::filesystem::path matrix_file_of(const std::filesystem::path& name);
+/// Throws std::invalid_argument unless the name ends in .h5, .hdf5, .mtx, .npy, .npz or .npy:COLUMNS.
+void check_matrix_name(const std::filesystem::path& path);
 /// Writes the format that the file name's ending names. `.mtx` keeps the matrix and, as comments, the facts, but not
 /// the geometry; `.npy` and `.npz` keep the matrix alone; FILE.npy:COLUMNS packs its bits. Throws std::invalid_argument for
 /// another ending, for other COLUMNS than the matrix has, or if the source map does not fit the matrix. The file appears

@@ -21,9 +21,10 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <functional>
+#include <stdexcept>
 #include <utility>
 
+#include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
 #include "matrix/files/hdf5_id.h"
 #include "matrix/files/hdf5_reader.h"
@@ -290,8 +291,9 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path, const std::string& gr
   handle->child = ::fork();
   if (handle->child == 0) {
     ::close(ends[0]);
+    const int socket = ::fcntl(ends[1], F_DUPFD_CLOEXEC, 3);  // out of the way of confine()
     confine(static_cast<std::uint64_t>(status.st_size));
-    serve(ends[1], name.string());
+    serve(socket, name.string());
   }
   const int error = errno;
   ::close(ends[1]);
@@ -391,6 +393,7 @@ hid_t need(hid_t id, const std::string& name) {
 }  // namespace
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
+  H5dont_atexit();  // which closes again what could not be closed on a full disk, and crashes
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   auto handle = std::make_unique<Handle>();
   const Hdf5Properties access = H5Pcreate(H5P_FILE_ACCESS);
@@ -458,6 +461,18 @@ void Hdf5File::write_attribute(const std::string& object, const std::string& nam
 void Hdf5File::close() {
   const hid_t written = std::exchange(handle_->written, -1);
   if (written >= 0 && H5Fclose(written) < 0) throw FormatError("cannot be written; is the disk full?");
+}
+
+void write_hdf5(const std::filesystem::path& path, const std::function<void(Hdf5File&)>& contents) {
+  AtomicFile partial(path, AtomicFile::Written::by_name);
+  try {
+    Hdf5File file = Hdf5File::create(partial.partial_path());
+    contents(file);
+    file.close();
+  } catch (const FormatError& error) {
+    throw std::runtime_error(path.string() + ": " + error.what());
+  }
+  partial.commit();
 }
 
 bool is_hdf5(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -54,6 +55,10 @@ class Hdf5File {
   explicit Hdf5File(std::unique_ptr<Handle> handle);
   std::unique_ptr<Handle> handle_;
 };
+
+/// Lets `contents` write a file that appears under its name when it is complete (AtomicFile). Throws std::runtime_error
+/// naming the file if it cannot be written, on a full disk too.
+void write_hdf5(const std::filesystem::path& path, const std::function<void(Hdf5File&)>& contents);
 
 /// Whether a regular file has HDF5's signature at its beginning or behind a block of the user, which takes 512 bytes, or
 /// twice that, and so on; false for what cannot be opened.

@@ -1,8 +1,12 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <numeric>
 #include <stdexcept>
@@ -17,6 +21,7 @@
 #include "matrix/permutation.h"
 #include "matrix/visibility_matrix.h"
 #include "tests/refusal.h"
+#include "tests/sanitized.h"
 
 namespace vismat {
 namespace {
@@ -213,6 +218,29 @@ TEST(Parallel, DoesEachItemOnceOnAnyNumberOfThreads) {
     EXPECT_TRUE(std::all_of(done.begin(), done.end(), [](const auto& times) { return times == 1; }));
   }
   parallel_for(0, 2, [](std::uint64_t) { FAIL(); });
+}
+
+TEST(Parallel, GoesOnWhereTheSystemGivesNoMoreThreads) {
+  if (test::sanitized) GTEST_SKIP() << "no limit of memory beside shadow memory";
+  const pid_t child = ::fork();
+  if (child == 0) {  // no memory for stacks is a limit that root has, too
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const rlim_t bytes = pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + (20u << 20);
+    const rlimit limit{bytes, bytes};
+    ::setrlimit(RLIMIT_AS, &limit);
+    std::vector<std::atomic<int>> done(1000);
+    try {
+      parallel_for(done.size(), 500, [&](std::uint64_t i) { ++done[i]; });
+    } catch (const std::exception&) {
+      ::_exit(8);
+    }
+    ::_exit(std::all_of(done.begin(), done.end(), [](const auto& times) { return times == 1; }) ? 0 : 7);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 TEST(Parallel, RethrowsAndStops) {

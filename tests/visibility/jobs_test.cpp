@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cstring>
+#include <filesystem>
 
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
@@ -140,7 +142,8 @@ TEST(JobRunner, AJournalServesOneWorkAndOneRun) {
     journal.restore("second", pieces);
     EXPECT_THROW(journal.restore("second", pieces), std::logic_error);
   }
-  EXPECT_NE(refusal("toy, seed 2").find("'toy, seed 1' and not 'toy, seed 2'"), std::string::npos);
+  EXPECT_NE(refusal("toy, seed 2").find("'seed 1' where this has 'seed 2'; repeat the old command"),
+            std::string::npos);
   EXPECT_EQ(refusal("toy, seed 1"), "");
   Journal journal(folder / "j", "toy, seed 1");
   Pieces pieces(3);
@@ -148,6 +151,22 @@ TEST(JobRunner, AJournalServesOneWorkAndOneRun) {
   write_file(folder / "other", std::as_bytes(std::span("a text that is no journal at all")));
   EXPECT_THROW(Journal(folder / "other", "toy"), FormatError);
   EXPECT_THROW(Journal(folder / "no folder/j", "toy"), std::runtime_error);
+}
+
+TEST(JobRunner, AJournalWithoutPiecesStandsInNobodysWay) {
+  const TemporaryFolder folder;
+  { const Journal journal(folder / "j", "toy"); }
+  EXPECT_EQ(folder.entries(), 0u);
+  write_file(folder / "j", journal_head("other work that was killed at once"));
+  {
+    Journal journal(folder / "j", "toy");
+    EXPECT_EQ(journal.found(), 0u);
+    journal.store("first", 1, toy_piece(1, 1));
+  }
+  EXPECT_EQ(Journal(folder / "j", "toy").found(), 1u);
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THROW(Journal(folder / "pipe", "toy"), std::invalid_argument);
+  EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe"));
 }
 
 TEST(JobRunner, AFullDiskEndsTheRunAndTheNextGoesOn) {

@@ -347,8 +347,10 @@ TEST_F(LevelFile, TheProgramTellsOfAMapWithoutReject) {
   doom.left_out = {"REJECT"};
   write("d.wad", doom.bytes());
   const std::string note = "MAP07 has no REJECT, so every sector counts as visible from every other";
-  EXPECT_EQ(vismat("import d.wad:MAP07 -o x.mtx --tree none"),
-            (std::pair{0, "x.mtx: 3 sectors x 3 sectors, 100.0 % visible; " + note + "\n"}));
+  EXPECT_EQ(
+      vismat("import d.wad:MAP07 -o x.mtx --tree none"),
+      (std::pair{0, "x.mtx: without boxes, neighbours\nx.mtx: 3 sectors x 3 sectors, 100.0 % visible; " +
+                        note + "\n"}));
   EXPECT_NE(vismat("info d.wad:MAP07").second.find("visibility       " + note), std::string::npos);
 }
 

@@ -49,6 +49,20 @@ std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// Both without the parts, between commas and semicolons, that they begin or end with in common.
+std::pair<std::string_view, std::string_view> differing_parts(std::string_view a, std::string_view b) {
+  const auto ends_a_part = [](char c) { return c == ';' || c == ','; };
+  const std::size_t shorter = std::min(a.size(), b.size());
+  std::size_t begin = 0, end = 0;
+  for (std::size_t i = 0; i < shorter && a[i] == b[i]; ++i) {
+    if (a[i] == ' ' && i > 0 && ends_a_part(a[i - 1])) begin = i + 1;
+  }
+  for (std::size_t i = 0; i < shorter - begin && a[a.size() - 1 - i] == b[b.size() - 1 - i]; ++i) {
+    if (ends_a_part(a[a.size() - 1 - i])) end = i + 1;
+  }
+  return {a.substr(begin, a.size() - begin - end), b.substr(begin, b.size() - begin - end)};
+}
+
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, int error) {
   throw std::runtime_error(path.string() + ": " + what + ": " + std::strerror(error));
 }
@@ -107,13 +121,13 @@ JournalContents read_journal(std::span<const std::byte> bytes) {
 }
 
 Journal::Journal(std::filesystem::path path, const std::string& work) : path_(std::move(path)) {
-  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (file_ < 0) fail(path_, "cannot write there", errno);
+  for (;;) {
+    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666);
+    if (file_ < 0) fail(path_, "cannot write there", errno);
+    if (lock()) break;
+    ::close(file_);
+  }
   try {
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
-      if (errno != EWOULDBLOCK) fail(path_, "cannot lock", errno);
-      throw std::invalid_argument(path_.string() + ": another run is at this work");
-    }
     begin_or_read(work);
   } catch (...) {
     close();
@@ -122,6 +136,7 @@ Journal::Journal(std::filesystem::path path, const std::string& work) : path_(st
 }
 
 Journal::~Journal() {
+  if (begun_.empty() && empty()) remove();  // the work was refused before it began
   close();
 }
 
@@ -130,11 +145,31 @@ void Journal::close() {
   ::close(file_);
 }
 
+// False if another run removed the file between its being opened and locked.
+bool Journal::lock() {
+  try {
+    struct stat status {
+    }, named{};
+    if (::fstat(file_, &status) != 0) fail(path_, "cannot read", errno);
+    if (!S_ISREG(status.st_mode)) throw std::invalid_argument(path_.string() + ": is no regular file");
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      if (errno != EWOULDBLOCK) fail(path_, "cannot lock", errno);
+      throw std::invalid_argument(path_.string() + ": another run is at this work");
+    }
+    return ::stat(path_.c_str(), &named) == 0 && named.st_ino == status.st_ino &&
+           named.st_dev == status.st_dev;
+  } catch (...) {
+    ::close(file_);
+    throw;
+  }
+}
+
 void Journal::begin_or_read(const std::string& work) {
   struct stat status {};
   if (::fstat(file_, &status) != 0) fail(path_, "cannot read", errno);
   const auto size = static_cast<std::size_t>(status.st_size);
   const std::vector<std::byte> head = journal_head(work);
+  head_end_ = head.size();
   if (size > 0) {
     void* const address = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file_, 0);
     if (address == MAP_FAILED) fail(path_, "cannot read", errno);
@@ -142,8 +177,12 @@ void Journal::begin_or_read(const std::string& work) {
   }
   if (size < head.size() && std::equal(mapped_.begin(), mapped_.end(), head.begin())) {  // new, or torn
     if (::ftruncate(file_, 0) != 0) fail(path_, "cannot write", errno);
-    append(head);
-    return;
+    try {
+      return append(head);
+    } catch (...) {
+      remove();
+      throw;
+    }
   }
   JournalContents contents;
   try {
@@ -152,9 +191,15 @@ void Journal::begin_or_read(const std::string& work) {
     throw FormatError(path_.string() + ": " + error.what());
   }
   if (contents.work != work) {
-    throw std::invalid_argument(path_.string() + ": the beginning of other work, '" +
-                                std::string(contents.work) + "' and not '" + work +
-                                "'; remove it, or let that work end");
+    if (contents.records.empty()) {  // nothing is lost by beginning anew
+      if (::ftruncate(file_, 0) != 0) fail(path_, "cannot write", errno);
+      return append(head);
+    }
+    const auto [theirs, ours] = differing_parts(contents.work, work);
+    throw std::invalid_argument(
+        path_.string() + ": holds " + std::to_string(contents.records.size()) +
+        " finished pieces of other work: '" + std::string(theirs) + "' where this has '" + std::string(ours) +
+        "'; repeat the old command to go on with it, or remove the file to begin anew");
   }
   if (::ftruncate(file_, static_cast<off_t>(contents.end)) != 0) fail(path_, "cannot write", errno);
   end_ = contents.end;
@@ -208,7 +253,7 @@ void Journal::append(std::span<const std::byte> bytes) {
 }
 
 void Journal::remove() {
-  ::unlink(path_.c_str());
+  if (!std::exchange(removed_, true)) ::unlink(path_.c_str());
 }
 
 }  // namespace vismat

@@ -14,11 +14,13 @@
 namespace vismat {
 
 /// A file to which pieces are appended as they are finished. Whatever ends the run (kill -9, a full disk), the next run
-/// finds all pieces that were stored; an incomplete last one is cut off. Only one process at a time may use it.
+/// finds all pieces that were stored; an incomplete last one is cut off. A file whose work did not begin is removed
+/// at the end, and one without pieces stands in the way of no other work. Only one process at a time may use it.
 class Journal : public PieceStore {
  public:
   /// Begins the file, or continues it. `work` describes all that the pieces depend on: inputs with their checksums,
-  /// options. Throws std::invalid_argument if the file holds other work or another process has it open, FormatError if
+  /// options. Throws std::invalid_argument if the file holds pieces of other work (it tells what differs), is no
+  /// regular file, or another process has it open, FormatError if
   /// it is no journal, std::runtime_error if it cannot be written; the file then stays as it is.
   Journal(std::filesystem::path path, const std::string& work);
   ~Journal() override;
@@ -32,17 +34,21 @@ class Journal : public PieceStore {
   void store(const std::string& stage, std::uint64_t number, const JobRunner::Piece& piece) override;
   /// The number of pieces that earlier runs left.
   std::uint64_t found() const { return found_; }
+  /// Whether it holds no piece yet; not while others store.
+  bool empty() const { return end_ == head_end_; }
   /// Deletes the file, when the work is done and written elsewhere.
   void remove();
 
  private:
+  bool lock();
   void begin_or_read(const std::string& work);
   void append(std::span<const std::byte> bytes);
   void close();
 
   std::filesystem::path path_;
   int file_ = -1;
-  std::uint64_t end_ = 0, found_ = 0;
+  bool removed_ = false;
+  std::uint64_t end_ = 0, head_end_ = 0, found_ = 0;
   std::span<const std::byte> mapped_;  // what earlier runs left
   std::map<std::string, std::vector<std::pair<std::uint64_t, std::span<const std::byte>>>, std::less<>> left_;
   std::set<std::string> begun_;

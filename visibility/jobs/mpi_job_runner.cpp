@@ -24,6 +24,7 @@
 #include <mutex>
 #include <span>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -79,7 +80,12 @@ class Workers {
   using Done = std::vector<std::pair<std::uint64_t, JobRunner::Piece>>;
 
   Workers(unsigned threads, const std::function<JobRunner::Piece(std::uint64_t)>& piece) : piece_(piece) {
-    for (unsigned t = 0; t < threads; ++t) pool_.emplace_back([this] { work(); });
+    pool_.reserve(threads);
+    try {
+      for (unsigned t = 0; t < threads; ++t) pool_.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {
+      if (pool_.empty()) throw;  // otherwise those there are do the work
+    }
   }
   ~Workers() {
     stop();

@@ -29,10 +29,12 @@ int axis_of_level_faces(const Scene& scene) {
       planes[{axis, std::lround((c[0][axis] - low[axis]) / extent * 10000)}] += size;
     }
   }
-  const auto largest = std::max_element(planes.begin(), planes.end(),
-                                        [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (largest != planes.end() && largest->second >= area / 20) return largest->first.first;
-  return static_cast<int>(std::max_element(&seen_along.x, &seen_along.x + 3) - &seen_along.x);
+  glm::dvec3 largest(0);
+  for (const auto& [plane, size] : planes) largest[plane.first] = std::max(largest[plane.first], size);
+  const bool has_planes = std::max({largest.x, largest.y, largest.z}) >= area / 20;
+  const glm::dvec3& of_axis = has_planes ? largest : seen_along;
+  const int other = of_axis.x > of_axis.y ? 0 : 1;
+  return of_axis[other] > 2 * of_axis.z ? other : 2;
 }
 
 }  // namespace vismat
