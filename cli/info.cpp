@@ -65,7 +65,7 @@ void print_source_map(const SourceMap& source) {
   }
   if (!names.empty()) line("names of", names);
   for (std::size_t i = 0; i < std::min<std::size_t>(source.column_names.size(), most_names); ++i) {
-    line("", "column " + std::to_string(i) + ": " + source.column_names[i]);
+    line("", "source column " + std::to_string(i) + ": " + source.column_names[i]);
   }
   if (!source.column_levels.empty()) line("columns are", "levels of detail of objects");
   if (source.row_tree) print_tree("tree over rows", *source.row_tree);

@@ -35,6 +35,18 @@ bool is_plain_vmat(const std::filesystem::path& path) {
   return vmat::begins_vmat(std::as_bytes(std::span(begin)));
 }
 
+/// The name of a column, by its number in the source or as it is stored; a merged column has those of all its members.
+std::string name_of(const SourceMap& source, std::uint32_t id, bool as_stored) {
+  if (as_stored && source.column_order) id = source.column_order->old_of_new()[id];
+  if (!as_stored || !source.column_groups) return source.column_names[id];
+  std::string names;
+  for (std::uint32_t member = 0; member < source.column_groups->size(); ++member) {
+    if (source.column_groups->group_of_member()[member] != id) continue;
+    names += (names.empty() ? "" : ", ") + source.column_names[member];
+  }
+  return names;
+}
+
 void run_row(const RowOptions& options) {
   // Rows are read from the mapped file, unless the whole has to be unpacked or comes from a pipe.
   const std::vector<std::byte> bytes =
@@ -74,14 +86,12 @@ void run_row(const RowOptions& options) {
     });
   } else {
     const std::vector<std::string>& names = reader.source().column_names;
-    if (options.names && (names.empty() || options.as_stored)) {
-      throw std::invalid_argument(
-          options.in.string() +
-          (names.empty() ? ": its columns have no names" : ": names are those of the source, not as stored"));
+    if (options.names && names.empty()) {
+      throw std::invalid_argument(options.in.string() + ": its columns have no names");
     }
     for (const std::uint32_t id : ids) {
       if (options.names) {
-        std::printf("%u %s\n", id, printable(names[id]).c_str());
+        std::printf("%u %s\n", id, printable(name_of(reader.source(), id, options.as_stored)).c_str());
       } else {
         std::printf("%u\n", id);
       }

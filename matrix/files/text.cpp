@@ -7,59 +7,73 @@
 namespace vismat {
 namespace {
 
-void append_utf8(std::string& text, std::uint32_t character) {
-  const auto put = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
-  const auto tail = [&](int shift) { put(0x80 | ((character >> shift) & 0x3f)); };
-  if (character < 0x80) return put(character);
-  if (character < 0x800) {
-    put(0xc0 | (character >> 6));
+constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
+
+void append_utf8(std::string& text, std::uint32_t code) {
+  const auto add = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
+  if (code < 0x80) {
+    add(code);
+  } else if (code < 0x800) {
+    add(0xC0 | code >> 6);
+    add(0x80 | (code & 0x3F));
+  } else if (code < 0x10000) {
+    add(0xE0 | code >> 12);
+    add(0x80 | (code >> 6 & 0x3F));
+    add(0x80 | (code & 0x3F));
   } else {
-    if (character < 0x10000) {
-      put(0xe0 | (character >> 12));
-    } else {
-      put(0xf0 | (character >> 18));
-      tail(12);
-    }
-    tail(6);
+    add(0xF0 | code >> 18);
+    add(0x80 | (code >> 12 & 0x3F));
+    add(0x80 | (code >> 6 & 0x3F));
+    add(0x80 | (code & 0x3F));
   }
-  tail(0);
 }
 
 std::string utf8_of_utf16(std::string_view bytes, bool big_endian) {
   if (bytes.size() % 2 != 0)
     throw FormatError("is UTF-16 of an odd number of bytes, so cut short; save it as UTF-8");
-  const auto unit = [&](std::size_t i) {
-    const auto first = static_cast<std::uint8_t>(bytes[i]), second = static_cast<std::uint8_t>(bytes[i + 1]);
+  const auto unit = [&](std::size_t at) {
+    const auto first = static_cast<unsigned char>(bytes[at]),
+               second = static_cast<unsigned char>(bytes[at + 1]);
     return static_cast<std::uint32_t>(big_endian ? first << 8 | second : second << 8 | first);
   };
   std::string text;
   text.reserve(bytes.size() / 2);
-  for (std::size_t i = 0; i < bytes.size(); i += 2) {
-    std::uint32_t character = unit(i);
-    if (character >> 10 == 0x36 && i + 2 < bytes.size() && unit(i + 2) >> 10 == 0x37) {
-      character = 0x10000 + ((character & 0x3ff) << 10 | (unit(i + 2) & 0x3ff));
-      i += 2;
+  for (std::size_t at = 0; at < bytes.size(); at += 2) {
+    std::uint32_t code = unit(at);
+    const bool high = code >= 0xD800 && code < 0xDC00;
+    const std::uint32_t low = high && at + 2 < bytes.size() ? unit(at + 2) : 0;
+    if (low >= 0xDC00 && low < 0xE000) {
+      code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
+      at += 2;
+    } else if (high || (code >= 0xDC00 && code < 0xE000)) {
+      code = 0xFFFD;  // half of a pair
     }
-    append_utf8(text, character);
+    append_utf8(text, code);
   }
   return text;
 }
 
 }  // namespace
 
-std::string_view as_utf8(std::span<const std::byte> bytes, std::string& room) {
-  using namespace std::string_view_literals;
-  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with("\xef\xbb\xbf")) return text.substr(3);
-  if (text.starts_with("\xff\xfe\0\0"sv) || text.starts_with("\0\0\xfe\xff"sv))
+std::string_view as_utf8(std::span<const std::byte> text, std::string& room) {
+  using namespace std::literals;
+  const std::string_view bytes(reinterpret_cast<const char*>(text.data()), text.size());
+  if (bytes.starts_with(utf8_mark)) return bytes.substr(utf8_mark.size());
+  if (bytes.starts_with("\xFF\xFE\0\0"sv) || bytes.starts_with("\0\0\xFE\xFF"sv)) {
     throw FormatError("is UTF-32; save it as UTF-8");
-  const bool little = text.starts_with("\xff\xfe"), big = text.starts_with("\xfe\xff");
-  if (little || big) {
-    text.remove_prefix(2);
-  } else if (text.size() < 2 || (text[0] == 0) == (text[1] == 0)) {
-    return text;
   }
-  return room = utf8_of_utf16(text, big || (!little && text[0] == 0));
+  const bool little = bytes.starts_with("\xFF\xFE"), big = bytes.starts_with("\xFE\xFF");
+  const auto ascii_at = [&](std::size_t at) { return bytes[at] > 0 && bytes[at] <= '~'; };
+  if (little || big) {
+    room = utf8_of_utf16(bytes.substr(2), big);
+  } else if (bytes.size() >= 4 && ascii_at(0) && bytes[1] == 0 && ascii_at(2) && bytes[3] == 0) {
+    room = utf8_of_utf16(bytes, false);
+  } else if (bytes.size() >= 4 && bytes[0] == 0 && ascii_at(1) && bytes[2] == 0 && ascii_at(3)) {
+    room = utf8_of_utf16(bytes, true);
+  } else {
+    return bytes;
+  }
+  return room;
 }
 
 }  // namespace vismat

@@ -62,7 +62,7 @@ TEST_F(Program, MakesScenesOfMeshes) {
   vismat_succeeds(
       "see named.scene.h5 --cells grid:1 --region 0,0,3,1,1,4 --producer sampled --rays 500 -o named.bsp.h5");
   vismat_succeeds("encode named.bsp.h5 -o named.vmat");
-  EXPECT_TRUE(contains(vismat("info named.bsp.h5").out, "column 1: wall"));
+  EXPECT_TRUE(contains(vismat("info named.bsp.h5").out, "source column 1: wall"));
   EXPECT_EQ(vismat("row named.vmat 0 --names").out, "0 floor\n1 wall\n");
   refuses("no.pk3:maps/a.bsp", "no.pk3");
 }

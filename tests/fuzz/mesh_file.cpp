@@ -1,4 +1,5 @@
-// Any bytes as a mesh of any format, told by the first: a scene that can be welded and split, or FormatError.
+// Any bytes as a mesh of any format, told by the first: a scene that can be welded and split, or FormatError; and as a file of
+// materials and an image.
 #include "visibility/meshes/mesh_file.h"
 
 #include <cmath>
@@ -8,15 +9,21 @@
 
 #include "matrix/base/byte_reader.h"
 #include "visibility/meshes/components.h"
+#include "visibility/meshes/materials.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace vismat;
   if (size == 0) return 0;
   try {
-    Scene scene =
-        parse_mesh(std::as_bytes(std::span(data, size).subspan(1)), static_cast<MeshFormat>(data[0] % 4))
-            .scene;
-    if (scene.object_count != 1 || scene.indices.size() != 3 * scene.object_of_triangle.size()) std::abort();
+    const auto bytes = std::as_bytes(std::span(data, size).subspan(1));
+    Materials materials;
+    add_materials(bytes, "no/such/folder", materials);
+    has_alpha(bytes, data[0] % 2 == 0 ? "image.tga" : "image.png");
+    MeshFile file = parse_mesh(bytes, static_cast<MeshFormat>(data[0] % 4));
+    Scene& scene = file.scene;
+    if (scene.object_count != file.parts.size() ||
+        scene.indices.size() != 3 * scene.object_of_triangle.size())
+      std::abort();
     const std::size_t triangles = scene.object_of_triangle.size(), vertices = scene.vertices.size();
     const WeldCounts counts = weld(scene, size % 2 == 0 ? 0.0f : 0.5f);
     if (scene.object_of_triangle.size() + counts.zero_area + counts.duplicates != triangles) std::abort();

@@ -164,8 +164,9 @@ TEST(MeshDialects, FilesJoinedWithTheirMarks) {
   EXPECT_EQ(told(mark + replaced(texts[3], "\n", "\n" + mark), MeshFormat::stl), both);
   EXPECT_EQ(told(replaced(texts[0], "v 1.5", "\x1Av 1.5"), MeshFormat::obj), both);
   EXPECT_EQ(told(replaced(texts[2], "\n1.5", "\n\x1A\n1.5"), MeshFormat::off), both);
-  EXPECT_EQ(told("\xFF\xFE\0\0v\0\0\0"sv, MeshFormat::obj), "is UTF-32 text; save it as UTF-8");
-  EXPECT_EQ(told("\xFF\xFEv\0 "sv, MeshFormat::obj), "is UTF-16 text that ends within a character");
+  EXPECT_EQ(told("\xFF\xFE\0\0v\0\0\0"sv, MeshFormat::obj), "is UTF-32; save it as UTF-8");
+  EXPECT_EQ(told("\xFF\xFEv\0 "sv, MeshFormat::obj),
+            "is UTF-16 of an odd number of bytes, so cut short; save it as UTF-8");
 }
 
 TEST(MeshDialects, NumbersOfEveryLanguage) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "matrix/base/byte_reader.h"
+#include "matrix/files/text.h"
 #include "visibility/meshes/mesh_readers.h"
 #include "visibility/meshes/polygons.h"
 #include "visibility/meshes/text.h"
@@ -226,8 +227,7 @@ std::size_t after_header(std::string_view characters, const Text& text) {
 MeshFile parse_ply(std::span<const std::byte> bytes, const MeshPlacement& placement) {
   using Role = PlyProperty::Role;
   std::string storage;
-  const std::string_view characters =
-      decoded({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, storage);
+  const std::string_view characters = as_utf8(bytes, storage);
   Text text(characters, '\n', false);
   const auto [format, elements] = ply_header(text);
   const std::size_t start = after_header(characters, text);

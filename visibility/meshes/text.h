@@ -15,12 +15,9 @@ std::string lower_case(std::string_view text);
 /// The word in quotes, short and printable, for messages.
 std::string shown(std::string_view word);
 
-/// The bytes as UTF-8 without a byte order mark: UTF-16 is converted into `storage`, also without a mark if it begins with two
-/// characters of ASCII. Borrows from either argument. Throws FormatError for UTF-32 and for half a character of UTF-16.
-std::string_view decoded(std::string_view bytes, std::string& storage);
 /// The text without what some systems put behind its end: the mark 0x1A of DOS, and padding by 0.
 std::string_view without_end_mark(std::string_view text);
-/// Both, and without the byte order marks that stand inside files which were joined from several.
+/// As as_utf8 gives it, without those, and without the byte order marks that stand inside files which were joined from several.
 std::string_view plain_text(std::string_view bytes, std::string& storage);
 
 /// The words and lines of a text; lines are counted from 1. A line ends with LF, CR LF or CR.
