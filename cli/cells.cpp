@@ -70,7 +70,8 @@ double area_in_plan(const ViewCells& cells) {
 
 void run_cells(const CellsArguments& arguments) {
   parse_cells(arguments.cells);  // refuses what cannot be before the scene is read
-  SceneFile file = read_any_scene(arguments.scene).file;
+  AnyScene read = read_any_scene(arguments.scene);
+  SceneFile& file = read.file;
   const CellsChoice choice = parse_cells(arguments.cells, file.origin);
   const RayCaster caster(file.scene);
   const AimedRays rays(file.scene, caster);
@@ -97,6 +98,7 @@ void run_cells(const CellsArguments& arguments) {
   std::fputs(chosen.table.c_str(), stdout);
   std::printf("%s: %u view cells over %.4g m2 of the plan\n", arguments.output.c_str(), file.cells.count(),
               area_in_plan(file.cells));
+  print_notes(read);
   if (const int up = axis_of_level_faces(file.scene); up != 2) {
     line("note", std::string("most level faces of the scene look along ") + "xyz"[up] +
                      ", not z: view cells may stand on walls; vismat scene --up y turns a mesh");

@@ -202,8 +202,7 @@ void print_info(const std::string& where) {
     const AnyScene mesh = read_any_scene(where);
     title(file.gzipped ? "mesh, gzipped" : "mesh");
     print_scene(mesh.file);
-    for (const std::string& what : mesh.left_out) line("left out", what);
-    for (const std::string& note : mesh.notes) line("note", note);
+    print_notes(mesh);
   } else if (format.empty() && !file.part.empty()) {
     const Level level = read_level(where, all_that_is_there);
     title("level");

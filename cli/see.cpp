@@ -164,7 +164,8 @@ void run_see(const SeeArguments& arguments) {
   const Producer& producer = producer_named(arguments.producer);
   check_options(arguments, producer);
   parse_cells(arguments.cells);  // refuses what cannot be before the scene is read
-  SceneFile file = read_any_scene(arguments.scene).file;
+  AnyScene read = read_any_scene(arguments.scene);
+  SceneFile& file = read.file;
   const CellsChoice choice = parse_cells(arguments.cells, file.origin);
   const std::string made = producer.describe(arguments.options), chosen = describe(choice);
   if (arguments.nodes && !file.tree) {
@@ -208,6 +209,7 @@ void run_see(const SeeArguments& arguments) {
   } else {
     print_states(sight, producer.seen_too);
   }
+  print_notes(read);
   journal->remove();
 }
 

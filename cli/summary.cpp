@@ -53,6 +53,16 @@ void print_loss(const Loss& loss) {
                               formatted("; %.3f %% of its occlusions are lost", 100 * loss.lost_in(worst)));
 }
 
+void print_notes(const AnyScene& scene) {
+  const auto left_out = [](const std::string& what) { line("left out", what); };
+  for (const std::string& what : scene.left_out) {
+    left_out(what.ends_with(" left out") ? what.substr(0, what.size() - 9) : what);
+  }
+  if (scene.welded.zero_area > 0) left_out(grouped(scene.welded.zero_area) + " triangles without area");
+  if (scene.welded.duplicates > 0) left_out(grouped(scene.welded.duplicates) + " duplicate triangles");
+  for (const std::string& note : scene.notes) line("note", note);
+}
+
 void print_extent(const SceneFile& file) {
   const Scene& scene = file.scene;
   if (scene.object_of_triangle.empty()) return;

@@ -9,7 +9,7 @@
 
 #include "matrix/deltas.h"
 #include "matrix/loss.h"
-#include "visibility/scene_file.h"
+#include "visibility/meshes/any_scene.h"
 
 namespace vismat::cli {
 
@@ -35,6 +35,9 @@ std::string summary_of(std::span<const Boundary> boundaries);
 /// Prints the scene's bounds and origin in the coordinates of the file that it was made from, its size, and which way up it
 /// probably is.
 void print_extent(const SceneFile& file);
+
+/// Prints what of its file a scene does not hold, and what a user should know: a line for each.
+void print_notes(const AnyScene& scene);
 
 /// Prints how many entries were added, and to which view cell the most.
 void print_loss(const Loss& loss);

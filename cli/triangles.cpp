@@ -41,7 +41,8 @@ std::string spread(const std::vector<Counts>& cells, std::uint64_t Counts::*what
 }
 
 void run_triangles(const TrianglesArguments& arguments) {
-  const SceneFile file = read_any_scene(arguments.scene).file;
+  const AnyScene read = read_any_scene(arguments.scene);
+  const SceneFile& file = read.file;
   const Dataset dataset = read_matrix(arguments.matrix);
   const Shape shape = dataset.matrix.shape(), right = {file.cells.count(), file.scene.object_count};
   if (dataset.source.columns_are_nodes || !dataset.source.boundaries.empty() || shape != right) {
@@ -79,6 +80,7 @@ void run_triangles(const TrianglesArguments& arguments) {
   line("their triangles", spread(counts, &Counts::full));
   line("at their level of detail", spread(counts, &Counts::at_level));
   line("without back faces", spread(counts, &Counts::facing));
+  print_notes(read);
 }
 
 }  // namespace

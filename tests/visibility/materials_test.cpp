@@ -114,7 +114,7 @@ TEST(ObjectsOfTheFile, GroupsMaterialsTilesAndComponents) {
   EXPECT_TRUE(parts.file.scene.object_names.empty());
   EXPECT_FALSE(parts.file.opacity_unknown);
   ASSERT_EQ(parts.notes.size(), 1u);
-  EXPECT_EQ(parts.notes[0], "1 materials or groups are see-through: glass (d 0.2)");
+  EXPECT_EQ(parts.notes[0], "see-through: glass (d 0.2)");
 }
 
 TEST(ObjectsOfTheFile, WithoutMaterialsAllIsOpaqueAndSaysSo) {

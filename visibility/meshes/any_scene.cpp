@@ -62,9 +62,9 @@ AnyScene scene_of_level(const std::string& where) {
 
 void tell(std::vector<std::string>& notes, const std::string& what, const std::vector<std::string>& names) {
   if (names.empty()) return;
-  std::string note = std::to_string(names.size()) + " " + what + ": ";
+  std::string note = what + ": ";
   for (std::size_t i = 0; i < names.size() && i < 5; ++i) note += (i == 0 ? "" : ", ") + names[i];
-  notes.push_back(note + (names.size() > 5 ? ", ..." : ""));
+  notes.push_back(note + (names.size() > 5 ? " and " + std::to_string(names.size() - 5) + " more" : ""));
 }
 
 /// The materials of the mesh, from the files that it names, or else from one of its own name.
@@ -112,10 +112,10 @@ std::vector<std::uint8_t> see_through_parts(const MeshFile& mesh, const std::str
     if (!known && !material.empty() && told.insert(material).second) undefined.push_back(material);
   }
   result.file.opacity_unknown = !every_part_known && pattern.empty();
-  tell(result.notes, "materials or groups are see-through", clear);
-  tell(result.notes, "files of materials or textures are not there, so what they are for counts as opaque",
-       materials.missing);
-  if (materials_read) tell(result.notes, "materials are defined nowhere and count as opaque", undefined);
+  tell(result.notes, "see-through", clear);
+  tell(result.notes, "not there, so that what they are for counts as opaque", materials.missing);
+  if (materials_read)
+    tell(result.notes, "materials that no file defines, so that they count as opaque", undefined);
   if (result.file.opacity_unknown) {
     result.notes.push_back(
         std::ranges::all_of(mesh.parts, [](const MeshPart& part) { return part.material.empty(); })
