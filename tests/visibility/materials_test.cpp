@@ -71,7 +71,13 @@ TEST(Materials, AlphaIsToldByTheHeader) {
   dds[80] = 4, dds.replace(84, 4, "DXT5");
   EXPECT_TRUE(has_alpha(bytes_of(dds), "a.dds"));
   EXPECT_FALSE(has_alpha(bytes_of("\xff\xd8\xff"), "a.jpg"));
-  for (const std::string& cut : {png(6, "gAMA"), dds, tga}) {
+  std::string webp = "RIFF\x20xxxWEBPVP8X....\x10" + std::string(10, '\0');
+  EXPECT_TRUE(has_alpha(bytes_of(webp), "a.webp"));
+  webp[20] = 2;
+  EXPECT_FALSE(has_alpha(bytes_of(webp), "a.webp"));
+  webp.replace(15, 1, "L"), webp[24] = 0x10;
+  EXPECT_TRUE(has_alpha(bytes_of(webp), "a.webp"));
+  for (const std::string& cut : {png(6, "gAMA"), dds, tga, webp}) {
     for (std::size_t size = 0; size < cut.size(); ++size) has_alpha(bytes_of(cut.substr(0, size)), "a.tga");
   }
 }

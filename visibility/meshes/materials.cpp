@@ -86,7 +86,7 @@ bool has_alpha(std::span<const std::byte> image, const std::filesystem::path& na
         (flags & four_letters) != 0 && code != "ATI1" && code != "ATI2" && code != "BC4U" && code != "BC5U";
     return (flags & alpha_pixels) != 0 || packed;  // DXT1 too may have transparent pixels
   }
-  if (start.starts_with("RIFF") && start.substr(8, 4) == "WEBP" && image.size() > 24) {
+  if (start.starts_with("RIFF") && image.size() > 24 && start.substr(8, 4) == "WEBP") {
     if (start.substr(12, 4) == "VP8X") return (std::to_integer<unsigned>(image[20]) & 0x10) != 0;
     return start.substr(12, 4) == "VP8L" && (std::to_integer<unsigned>(image[24]) & 0x10) != 0;
   }
