@@ -1,5 +1,4 @@
 // vismat cells: makes view cells for a scene.
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <numeric>
@@ -12,6 +11,7 @@
 #include "matrix/base/parallel.h"
 #include "programs/options.h"
 #include "programs/progress.h"
+#include "visibility/cells/ground_triangles.h"
 #include "visibility/detail/levels_of_detail.h"
 #include "visibility/meshes/any_scene.h"
 #include "visibility/meshes/level_faces.h"
@@ -58,11 +58,10 @@ VisibleTriangles count_by_rays(const Scene& scene, const AimedRays& rays, const 
 }
 
 /// The area that the cells take as seen from above; boxes that stand above one another count once each, in m2.
-double area_in_plan(const ViewCells& cells) {
+double plan_area(const ViewCells& cells) {
   double area = 0;
   for (std::size_t c = 0; c < cells.corners.size(); c += 3) {
-    const glm::dvec3 p = cells.corners[c + 1] - cells.corners[c], q = cells.corners[c + 2] - cells.corners[c];
-    area += std::abs(p.x * q.y - p.y * q.x) / 2;
+    area += area_in_plan({cells.corners[c], cells.corners[c + 1], cells.corners[c + 2]});
   }
   for (const Box& box : cells.boxes) area += double{box.high[0] - box.low[0]} * (box.high[1] - box.low[1]);
   return area;
@@ -97,7 +96,7 @@ void run_cells(const CellsArguments& arguments) {
   write_scene(arguments.output, file);
   std::fputs(chosen.table.c_str(), stdout);
   std::printf("%s: %u view cells over %.4g m2 of the plan\n", arguments.output.c_str(), file.cells.count(),
-              area_in_plan(file.cells));
+              plan_area(file.cells));
   print_notes(read);
   if (const int up = axis_of_level_faces(file.scene); up != 2) {
     line("note", std::string("most level faces of the scene look along ") + "xyz"[up] +

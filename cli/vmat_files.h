@@ -11,16 +11,6 @@
 
 namespace vismat::cli {
 
-/// Returns what work() returns; a FormatError that it throws then names the file, or the level in it.
-template <typename Work>
-auto naming(const std::filesystem::path& where, const Work& work) {
-  try {
-    return work();
-  } catch (const FormatError& error) {
-    throw FormatError(where.string() + ": " + error.what());
-  }
-}
-
 /// The facts that Container keeps, one on each line.
 std::string facts_of(const Dataset& data);
 /// Calls `work` with the container of the file; an error names the file.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -15,6 +16,16 @@ namespace vismat {
 struct FormatError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+/// Returns what work() returns; a FormatError that it throws then names the file, or the level in it.
+template <typename Work>
+auto naming(const std::filesystem::path& where, const Work& work) {
+  try {
+    return work();
+  } catch (const FormatError& error) {
+    throw FormatError(where.string() + ": " + error.what());
+  }
+}
 
 /// The little-endian number that begins at byte `at`; the bytes must hold it.
 template <typename Number>

@@ -27,15 +27,6 @@ constexpr const char* readable =
     "(.npz), and from all but HDF5 also gzipped (.gz)";
 constexpr std::string_view hdf5_signature = "\x89HDF\r\n\x1a\n";
 
-template <typename Work>
-auto naming(const std::filesystem::path& name, const Work& work) {
-  try {
-    return work();
-  } catch (const FormatError& error) {
-    throw FormatError(name.string() + ": " + error.what());
-  }
-}
-
 std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

@@ -17,6 +17,7 @@
 
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
+#include "visibility/levels/ascii.h"
 #include "visibility/levels/level_file.h"
 #include "visibility/meshes/materials.h"
 #include "visibility/meshes/mesh_file.h"
@@ -43,7 +44,7 @@ std::regex expression_of(const std::string& pattern) {
 
 /// Whether the file has neither the ending nor the first bytes of a scene file; false if there is no such file.
 bool is_of_unknown_kind(const std::string& where) {
-  const std::string ending = lower_case(std::filesystem::path(where).extension().string());
+  const std::string ending = ascii_lower(std::filesystem::path(where).extension().string());
   if (ending == ".h5" || ending == ".hdf5") return false;
   std::ifstream file(where, std::ios::binary);
   std::array<char, 4> first{};

@@ -9,7 +9,8 @@
 #include <sstream>
 #include <string_view>
 
-#include "visibility/meshes/text.h"
+#include "matrix/base/byte_reader.h"
+#include "visibility/levels/ascii.h"
 
 namespace vismat {
 namespace {
@@ -19,14 +20,6 @@ std::string trimmed(std::string_view text) {
   return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
 }
 
-std::uint32_t number_at(std::span<const std::byte> bytes, std::size_t at, bool big_endian) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    number |= std::to_integer<std::uint32_t>(bytes[at + i]) << 8 * (big_endian ? 3 - i : i);
-  }
-  return number;
-}
-
 bool png_has_alpha(std::span<const std::byte> image) {
   const auto colour = std::to_integer<unsigned>(image[25]);
   if (colour == 4 || colour == 6) return true;
@@ -34,7 +27,7 @@ bool png_has_alpha(std::span<const std::byte> image) {
     const std::string_view chunk(reinterpret_cast<const char*>(&image[at + 4]), 4);
     if (chunk == "tRNS") return true;
     if (chunk == "IDAT") return false;
-    at += std::size_t{number_at(image, at, true)} + 12;
+    at += std::size_t{__builtin_bswap32(number_at<std::uint32_t>(image, at))} + 12;
   }
   return false;
 }
@@ -80,7 +73,7 @@ bool has_alpha(std::span<const std::byte> image, const std::filesystem::path& na
   if (start.starts_with("\x89PNG\r\n\x1a\n")) return image.size() > 25 && png_has_alpha(image);
   if (start.starts_with("DDS ") && image.size() >= 128) {
     constexpr std::uint32_t alpha_pixels = 1, four_letters = 4;
-    const std::uint32_t flags = number_at(image, 80, false);
+    const std::uint32_t flags = number_at<std::uint32_t>(image, 80);
     const std::string_view code = start.substr(84, 4);
     const bool packed =
         (flags & four_letters) != 0 && code != "ATI1" && code != "ATI2" && code != "BC4U" && code != "BC5U";
@@ -90,7 +83,7 @@ bool has_alpha(std::span<const std::byte> image, const std::filesystem::path& na
     if (start.substr(12, 4) == "VP8X") return (std::to_integer<unsigned>(image[20]) & 0x10) != 0;
     return start.substr(12, 4) == "VP8L" && (std::to_integer<unsigned>(image[24]) & 0x10) != 0;
   }
-  return lower_case(name.extension().string()) == ".tga" && image.size() >= 18 &&
+  return ascii_lower(name.extension().string()) == ".tga" && image.size() >= 18 &&
          (std::to_integer<unsigned>(image[16]) == 32 || (std::to_integer<unsigned>(image[17]) & 15) != 0);
 }
 
@@ -107,7 +100,7 @@ void add_materials(std::span<const std::byte> text, const std::filesystem::path&
   for (std::string line; std::getline(stream, line);) {
     line = trimmed(line);
     const auto blank = std::min(line.find_first_of(" \t"), line.size());
-    const std::string keyword = lower_case(line.substr(0, blank)), rest = trimmed(line.substr(blank));
+    const std::string keyword = ascii_lower(line.substr(0, blank)), rest = trimmed(line.substr(blank));
     if (keyword == "newmtl") {
       finish();
       current = Definition{rest, "", {}, {}};

@@ -19,6 +19,7 @@
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/byte_reader.h"
 #include "matrix/files/gzip.h"
+#include "visibility/levels/ascii.h"
 #include "visibility/meshes/mesh_readers.h"
 #include "visibility/meshes/polygons.h"
 #include "visibility/meshes/text.h"
@@ -41,13 +42,6 @@ MeshFile parse_obj(std::span<const std::byte> bytes, const MeshPlacement& placem
   Polygons polygons("line");
   const auto fail = [&](const std::string& what) { text.fail(what); };
   std::string object, group, material;
-  const auto name = [&] {  // the rest of the line
-    std::string words;
-    for (std::string_view word; !(word = text.word_of_line()).empty();) {
-      words += (words.empty() ? "" : " ") + std::string(word);
-    }
-    return words;
-  };
   const auto begin_part = [&] {
     polygons.begin_part({object.empty() || group.empty() ? object + group : object + "/" + group, material});
   };
@@ -76,13 +70,13 @@ MeshFile parse_obj(std::span<const std::byte> bytes, const MeshPlacement& placem
     } else if (keyword == "surf" || keyword == "curv") {
       text.fail("holds free-form curves or surfaces; export polygons");
     } else if (keyword == "o") {
-      object = name(), group.clear(), begin_part();
+      object = text.rest_of_line(), group.clear(), begin_part();
     } else if (keyword == "g") {
-      group = name(), begin_part();
+      group = text.rest_of_line(), begin_part();
     } else if (keyword == "usemtl") {
-      material = name(), begin_part();
+      material = text.rest_of_line(), begin_part();
     } else if (keyword == "mtllib") {
-      file.material_files.push_back(name());
+      file.material_files.push_back(text.rest_of_line());
     } else if (keyword == "l" || keyword == "p") {
       ++lines;
     } else if (!keyword.empty() && std::ranges::find(obj_attributes, keyword) == obj_attributes.end()) {
@@ -99,8 +93,8 @@ MeshFile parse_obj(std::span<const std::byte> bytes, const MeshPlacement& placem
 }  // namespace
 
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& path) {
-  std::string ending = lower_case(path.extension().string());
-  if (ending == ".gz") ending = lower_case(path.stem().extension().string());
+  std::string ending = ascii_lower(path.extension().string());
+  if (ending == ".gz") ending = ascii_lower(path.stem().extension().string());
   if (ending == ".obj") return MeshFormat::obj;
   if (ending == ".ply") return MeshFormat::ply;
   if (ending == ".off") return MeshFormat::off;
@@ -139,11 +133,7 @@ MeshFile read_mesh(const std::filesystem::path& path, const MeshPlacement& place
                                 ": a mesh file ends in .obj, .ply, .off or .stl, perhaps before .gz");
   }
   const std::vector<std::byte> bytes = read_file(path);
-  try {
-    return parse_mesh(bytes, *format, placement);
-  } catch (const FormatError& error) {
-    throw FormatError(path.string() + ": " + error.what());
-  }
+  return naming(path, [&] { return parse_mesh(bytes, *format, placement); });
 }
 
 }  // namespace vismat

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "visibility/levels/ascii.h"
 #include "visibility/meshes/mesh_readers.h"
 #include "visibility/meshes/polygons.h"
 #include "visibility/meshes/text.h"
@@ -44,7 +45,7 @@ std::string_view read_off_keyword(Text& text, OffHeader& header) {
     return {};
   }
   std::string capitals(word);
-  if (lower_case(word) == word) {
+  if (ascii_lower(word) == word) {
     for (char& c : capitals) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
   }
   std::string_view rest = capitals;

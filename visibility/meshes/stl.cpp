@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "visibility/levels/ascii.h"
 #include "visibility/meshes/mesh_readers.h"
 #include "visibility/meshes/polygons.h"
 #include "visibility/meshes/text.h"
@@ -42,10 +43,7 @@ class StlText {
 
  private:
   void begin_solid() {
-    std::string name;  // the rest of the line
-    for (std::string_view word; !(word = text_.word_of_line()).empty();) {
-      name += (name.empty() ? "" : " ") + std::string(word);
-    }
+    const std::string name = text_.rest_of_line();
     ++solids_;
     polygons_.begin_part({name.empty() ? "solid " + std::to_string(solids_) : name, ""});
     skip_line();
@@ -76,7 +74,7 @@ class StlText {
   }
   void next() {
     original_ = text_.word();
-    word_ = lower_case(original_);
+    word_ = ascii_lower(original_);
   }
   void skip_line() {
     text_.next_line();
@@ -95,7 +93,7 @@ class StlText {
   /// Stays on the last word, since what follows endsolid is a name.
   void expect_end(const std::string& keyword) {
     if (word_ == "end" + keyword) return;
-    if (word_ != "end" || lower_case(text_.word_of_line()) != keyword) refuse("end" + keyword);
+    if (word_ != "end" || ascii_lower(text_.word_of_line()) != keyword) refuse("end" + keyword);
   }
   [[noreturn]] void refuse(const std::string& keyword) {
     if (word_.empty()) text_.fail("the file ends where " + keyword + " is due");
@@ -178,7 +176,7 @@ MeshFile parse_stl(std::span<const std::byte> bytes, const MeshPlacement& placem
     const std::string_view text =
         plain_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, storage);
     const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
-    if (lower_case(text.substr(first, 5)) == "solid" &&
+    if (ascii_lower(text.substr(first, 5)) == "solid" &&
         text.substr(0, 512).find('\0') == std::string_view::npos) {
       return StlText(text, placement).parse();
     }

@@ -38,12 +38,6 @@ bool is_windows_number(std::string_view word, std::size_t mark) {
 
 }  // namespace
 
-std::string lower_case(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return result;
-}
-
 std::string shown(std::string_view word) {
   std::string result = "'";
   for (const char c : word.substr(0, 24)) result += c > ' ' && c <= '~' ? c : '?';

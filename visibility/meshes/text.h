@@ -11,7 +11,6 @@
 
 namespace vismat {
 
-std::string lower_case(std::string_view text);
 /// The word in quotes, short and printable, for messages.
 std::string shown(std::string_view word);
 
@@ -37,6 +36,14 @@ class Text {
     at_ = after_line_end(at_);
     ++line_;
     return true;
+  }
+  /// The other words of this line, with one blank between them.
+  std::string rest_of_line() {
+    std::string words;
+    for (std::string_view word; !(word = word_of_line()).empty();) {
+      words += (words.empty() ? "" : " ") + std::string(word);
+    }
+    return words;
   }
   /// The next word on any line; empty at the end.
   std::string_view word() {
