@@ -1,6 +1,6 @@
 // Measures worst-case rows: the bytes of a row and the time to decode it, for each codec that reads single rows.
 //
-// Each kind of row stands 256 times in a matrix of 8192 columns (a bitmap of 1024 bytes for each row). The header of each code proves
+// Each kind of row stands some hundred times in a matrix of 8192 columns (a bitmap of 1024 bytes for each row). The header of each code proves
 // how many bytes a row takes at most; codecs that may store a row as its bitmap never take more than that.
 #include <cstdint>
 #include <cstdio>
@@ -23,7 +23,7 @@
 namespace vismat::bench {
 namespace {
 
-constexpr std::uint32_t copies = 256, width = 8192;
+constexpr std::uint32_t width = 8192;
 
 struct Kind {
   const char* name;
@@ -85,7 +85,7 @@ const std::vector<Kind>& kinds() {
   return all;
 }
 
-void measure(std::string& csv, double seconds) {
+void measure(std::string& csv, double seconds, std::uint32_t copies) {
   std::printf("%-20s %-20s %12s %11s %11s %12s\n", "row", "codec", "bytes a row", "of bitmap", "us a row",
               "M ids/s");
   for (const Kind& kind : kinds()) {
@@ -121,14 +121,16 @@ void add_row_failures(const Verb& verb) {
   struct Options {
     std::filesystem::path csv;
     double seconds = .02;
+    std::uint32_t copies = 256;
   };
   const auto o = std::make_shared<Options>();
   verb.output("--csv", o->csv, Written::text, "File for the table as CSV");
   verb.option("--seconds", o->seconds, "Seconds spent on each time that is measured").between(0, 1e7);
+  verb.option("--copies", o->copies, "Rows of each kind in its matrix").between(1, 65536);
   verb.example("bench row-failures --csv failures.csv");
   verb.runs([o] {
     std::string csv = "row,why,ones,codec,bytes,of_bitmap,decode_us\n";
-    measure(csv, o->seconds);
+    measure(csv, o->seconds, o->copies);
     write_table(o->csv, csv);
   });
 }

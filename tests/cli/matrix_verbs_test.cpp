@@ -1,7 +1,9 @@
 // The verbs that reorder, difference, merge and compress matrices, and those that undo it.
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/cli/program_fixture.h"
+#include "tests/sanitized.h"
 
 namespace vismat {
 namespace {
@@ -97,11 +99,12 @@ TEST_F(Program, DecodesVersion3AndRefusesItElsewhere) {
   const auto take = [&](const std::string& name, const char* as) {
     std::filesystem::copy_file(data / name, folder / as, std::filesystem::copy_options::overwrite_existing);
   };
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(data)) names.insert(entry.path().filename());
   std::size_t files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(data)) {
-    const std::string name = entry.path().filename();
+  for (const std::string& name : names) {
     if (!name.ends_with(suffix) || name.starts_with("name-tail")) continue;
-    ++files;
+    if (++files % 4 != 0 && test::sanitized) continue;  // the fuzzer of containers begins with all of them
     const std::string now = name.substr(0, name.size() - suffix.size()) + ".vmat";
     take(name, "old.vmat");
     ASSERT_EQ(vismat_succeeds("decode old.vmat --as-stored -o old.bsp.h5").code, 0) << name;

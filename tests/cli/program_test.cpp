@@ -5,6 +5,7 @@
 
 #include "matrix/base/random.h"
 #include "tests/cli/program_fixture.h"
+#include "tests/sanitized.h"
 
 namespace vismat {
 namespace {
@@ -75,7 +76,7 @@ class Interrupted : public Program {
     ASSERT_FALSE(whole.empty());
     int interrupted = 0;
     bool through = false;
-    for (auto patience = 500us; !through; patience += patience / 5) {
+    for (auto patience = 500us; !through; patience += patience / (test::sanitized ? 3 : 5)) {
       write(result, "old");
       const Finished run = vismat(words, patience);
       through = run.code == 0;

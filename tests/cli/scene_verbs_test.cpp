@@ -122,7 +122,7 @@ TEST_F(Program, VerifyChecksAMatrixAgainstItsScene) {
   blind.sight_lines.clear();
   blind.degree_of_visibility.clear();
   write("blind.bsp.h5", blind);
-  const Finished refuted = vismat("verify blind.bsp.h5 --witness small.scene.h5 --samples 1 --points 2");
+  const Finished refuted = vismat("verify blind.bsp.h5 --witness small.scene.h5 --samples 1 --seed 2");
   EXPECT_EQ(refuted.code, 1);
   EXPECT_TRUE(contains(refuted.error, "entries are not confirmed to be hidden, the first in row "))
       << refuted.error;

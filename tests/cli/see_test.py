@@ -33,7 +33,7 @@ def check(fact, *told):
 
 # What makes a producer quick, and what it writes beside -o; a producer that is not here runs as it is by default.
 SMALL = ["small.scene.h5"]
-BOXES = ["city.scene.h5", "--cells", "grid:6,6,1.5", "--region", "20,20,1,80,80,2.5", "--objects"]
+BOXES = ["city.scene.h5", "--cells", "grid:6,6,1.5", "--region", "20,20,1,56,56,2.5", "--objects"]
 SETTINGS = {
     "shadow": [*SMALL, "--patches", "20"],
     "sampled": [*SMALL, "--rays", "500"],

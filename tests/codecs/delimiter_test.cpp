@@ -157,7 +157,8 @@ TEST(Delimiter, TakesAtMostHalfAsManyBitsAgain) {
 }
 
 TEST(Delimiter, NoTwoShortSequencesShareACode) {
-  for (const auto& [most, largest] : {std::pair{7u, 3u}, {5u, 7u}, {4u, 15u}, {3u, 63u}}) {
+  for (const auto& [longest, largest] : {std::pair{7u, 3u}, {5u, 7u}, {4u, 15u}, {3u, 63u}}) {
+    const std::uint32_t most = longest - (test::sanitized ? 1 : 0);
     each_sequence(most, largest, [](const Numbers& numbers) { expect_round_trip(numbers); });
     if (HasFatalFailure()) return;
     std::set<std::string> codes;

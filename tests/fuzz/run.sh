@@ -11,6 +11,7 @@ corpus=$(mktemp -d)
 trap 'rm -rf "$corpus"' EXIT
 mkdir -p "$finds"
 cp "$kept"/* "$corpus"
+rm -f "$corpus"/stalls-*  # 5 seconds each, and libFuzzer begins with every input thrice; the other builds rerun them
 # HDF5 files are read for at most 5 CPU seconds, so 30 is a hang. Short stacks of allocations and little memory held back after it is
 # freed take a fifth off the time; what a find needs to be understood, its rerun tells.
 ASAN_OPTIONS=malloc_context_size=1:quarantine_size_mb=16 \
