@@ -131,7 +131,8 @@ void run_disk_walk(const DiskWalkOptions& options, const std::string& where, std
 void add_disk_walk(const Verb& verb) {
   const auto o = std::make_shared<DiskWalkOptions>();
   verb.input("LEVEL", o->levels, "Quake 3 levels, FILE.bsp or FILE.pk3:maps/NAME.bsp").required();
-  verb.option("--layout", o->layouts, "Orders of the faces on the disk, named as in 'vismat order'");
+  verb.option("--orders", o->layouts, "Orders of the faces on the disk, named as in 'vismat order'")
+      .comma_separated();
   verb.option("--page", o->pages, "Bytes of a page of the disk");
   verb.option("--ahead", o->ahead, "Number of unwanted pages that one read may continue over (read-ahead)");
   verb.option("--steps", o->steps, "Number of steps from view cell to view cell");
@@ -141,7 +142,7 @@ void add_disk_walk(const Verb& verb) {
             "Make the orders from what view cells see, not from what appears between them");
   verb.option("--seed", o->seed, "Seed of the walk and of the orders");
   verb.output("--csv", o->csv, Written::text, "File for the table as CSV");
-  verb.example("bench disk-walk oa_koth1.bsp --layout random best --page 4096 --csv walk.csv");
+  verb.example("bench disk-walk oa_koth1.bsp --orders random,best --page 4096 --csv walk.csv");
   verb.runs([o] {
     std::string csv =
         "matrix,layout,page_bytes,read_ahead_pages,steps,reads,bytes_read,bytes_wanted,total_bytes,cache_"

@@ -145,7 +145,8 @@ void add_order_scale(const Verb& verb) {
   verb.flag("--harder", o->harder, "A variant of it that is less redundant and so harder to order");
   verb.option("--scale", o->scales, "Sizes of the matrix as shares of the paper's, from small to large")
       .between(1e-4, 1.);
-  verb.option("--method", o->methods, "Methods that are measured beside the random order")
+  verb.option("--orders", o->methods, "Orders that are measured beside the random order")
+      .comma_separated()
       .one_of({"sampled-tour", "scale-tour"});
   verb.option("--held-karp", o->most_held_karp,
               "Largest number of distinct columns for which the bound of Held and Karp is computed too");

@@ -168,13 +168,13 @@ void add_orders(const Verb& verb) {
   const auto o = std::make_shared<OrdersOptions>();
   verb.output("--out", o->out, Written::folder, "Folder for orders.csv and orders_bounds.csv");
   verb.option("--side", o->side, "Whether columns or rows are ordered").one_of({"columns", "rows"});
-  verb.option("--method", o->methods,
-              "Only these methods, named as in 'vismat order'; every one if none is named");
+  verb.option("--orders", o->methods, "Orders, named as in 'vismat order'; every one if none is named")
+      .comma_separated();
   verb.option("--seed", o->order.seed, "Seed of the orders that draw random numbers");
   verb.threads(o->order.threads);
   verb.flag("--append", o->append, "Add to the files in the folder");
   verb.input("MATRIX", o->files, "Matrix files").required();
-  verb.example("bench orders koth1.bsp.h5 --out out --method exact-tour best");
+  verb.example("bench orders koth1.bsp.h5 --out out --orders exact-tour,best");
   verb.runs([o] { run_orders(*o); });
 }
 

@@ -143,13 +143,14 @@ void run_walk_deltas(const WalkDeltasOptions& options, const std::string& where,
 void add_walk_deltas(const Verb& verb) {
   const auto o = std::make_shared<WalkDeltasOptions>();
   verb.input("PLACE", o->inputs, "Levels, FILE.bsp or FILE.pk3:maps/NAME.bsp, or matrix files").required();
-  verb.option("--codec", o->codecs,
-              "Codecs, named as in 'vismat encode'; all that read single rows if none is named");
-  verb.option("--columns", o->order, "Order of the columns, named as in 'vismat order'");
+  verb.option("--codecs", o->codecs,
+              "Codecs, named as in 'vismat encode'; all that read single rows if none is named")
+      .comma_separated();
+  verb.option("--order", o->order, "Order of the columns, named as in 'vismat order'");
   verb.option("--steps", o->steps, "Number of steps from view cell to view cell").positive();
   verb.option("--seed", o->seed, "Seed of the walk and of the order");
   verb.output("--csv", o->csv, Written::text, "File with a line for each step, as CSV");
-  verb.example("bench walk-deltas oa_koth1.bsp --codec delimiter pair-lzw --csv walk.csv");
+  verb.example("bench walk-deltas oa_koth1.bsp --codecs delimiter,pair-lzw --csv walk.csv");
   verb.runs([o] {
     const std::vector<Codec> codecs = chosen_codecs(o->codecs);
     std::string csv = "matrix,order,step,cell,appears,vanishes,runs";

@@ -9,21 +9,21 @@
 //   what it costs         panne_table.h: the price of every list's numbers under the common code; each step of the search lowers it
 //   the search            1. Equal columns become clusters, if that leads further in a trial of four rounds.
 //                         2. Clusters over rows: two lists, rows or clusters, give what they have in common to a third.
-//                         3. Clusters over columns: two symbols become one in the lists that hold both, if that saves.
+//                         3. Clusters over columns: two members become one in the lists that hold both, if that saves.
 //                         4. A cluster that only one list holds is dissolved into it.
 //                         5. With time left, a third of the clusters are dissolved, and 2 to 4 continue from there; what does not
 //                            save in the end is undone.
-//                         Candidates are neighbours in orders by min-hash [Broder 1997], of the lists' symbols for 2 and
-//                         of the symbols' lists for 3, and in the matrix. The search goes in rounds: pairs are taken from the one that
+//                         Candidates are neighbours in orders by min-hash [Broder 1997], of the lists' members for 2 and
+//                         of the members' lists for 3, and in the matrix. The search goes in rounds: pairs are taken from the one that
 //                         saves most on, each list once, none that saves less than 15/16 of what either could save otherwise
-//   the bits              symbols by where they begin, zeros counted from where the symbol before reaches, runs
+//   the bits              members by where they begin, zeros counted from where the member before reaches, runs
 //                         of objects coded as one; a Huffman code for each kind of number, so that any row is read alone
 //
 // Runs of objects are coded besides those of zeros: with zeros alone, columns in a good order cost a step for each
 // object, so oa_thor's faces take 179 kB instead of 167 even at their entropy, and 514 kB in Huffman codes. A range
 // coder in place of those, ended in each row, makes artificial 1 smaller by 0.7 % and oa_koth1's faces larger by 0.2 %.
 //
-// Tried and found worse: pairs of adjacent symbols, the most frequent first (as Re-Pair does), in place of 2 and 3:
+// Tried and found worse: pairs of adjacent members, the most frequent first (as Re-Pair does), in place of 2 and 3:
 // 1474 kB for oa_thor's faces in the natural order, where 2 alone left 291 kB, as no pair saves enough to begin with.
 // Any pair that saves, not only those near the best for both: up to 14 % more there. More orders and wider windows in
 // place of 5: nothing after 15 s on artificial 2.
@@ -38,8 +38,8 @@ namespace vismat {
 PanneRows::PanneRows(PanneTable table) : columns_(table.shape().columns), table_(std::move(table)) {
   table_->close_ranks();
   for (std::uint32_t v = 0; v < table_->clusters(); ++v) {
-    const std::uint32_t symbol = columns_ + v;
-    if (!table_->lists()[table_->list_of_symbol(symbol)].empty()) in_order_.push_back(symbol);
+    const std::uint32_t member = columns_ + v;
+    if (!table_->lists()[table_->list_of_member(member)].empty()) in_order_.push_back(member);
   }
   std::sort(in_order_.begin(), in_order_.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::pair(table_->first(a), table_->rank(a)) < std::pair(table_->first(b), table_->rank(b));
@@ -71,7 +71,7 @@ void PanneRows::put_list(BitWriter& out, std::uint32_t list) const {
 
 void PanneRows::write_model(std::vector<std::byte>& out) {
   std::vector<std::uint32_t> heads(in_order_.empty() ? 0 : columns_, 0);
-  for (const std::uint32_t symbol : in_order_) ++heads[table_->first(symbol)];
+  for (const std::uint32_t member : in_order_) ++heads[table_->first(member)];
   for (const std::uint32_t clusters : heads) heads_.count(clusters + 1);
   const auto count = [this](PanneCode PanneRows::*code, std::uint32_t number, std::uint32_t kind) {
     (this->*code).count(number, kind);
@@ -84,7 +84,7 @@ void PanneRows::write_model(std::vector<std::byte>& out) {
   for (PanneCode* code : {&ranks_, &leads_, &heads_}) code->write(out);
   BitWriter bits(out);
   for (const std::uint32_t clusters : heads) heads_.put(bits, clusters + 1);
-  for (const std::uint32_t symbol : in_order_) put_list(bits, table_->list_of_symbol(symbol));
+  for (const std::uint32_t member : in_order_) put_list(bits, table_->list_of_member(member));
   bits.flush();
 }
 
@@ -169,7 +169,7 @@ void PanneRows::read_clusters(ByteReader& in, std::uint32_t count) {
                                                              : run_of_objects(bits);
       steps.push_back({number - 1, size, is_cluster});
     }
-    if (steps.size() - begin[v] < 2) throw FormatError("a cluster of one symbol");
+    if (steps.size() - begin[v] < 2) throw FormatError("a cluster of one member");
   }
   bits.finish();
   begin[count] = steps.size();

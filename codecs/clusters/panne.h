@@ -59,7 +59,7 @@ class PanneCode {
   HuffmanCode code_;
 };
 
-/// The row codec (row_codec.h). Decoding a row takes O(its symbols, and the clusters and runs that these hold) <= O(its
+/// The row codec (row_codec.h). Decoding a row takes O(its members, and the clusters and runs that these hold) <= O(its
 /// ones), and looks at each word of its bitmap. The scratch has a bit for each column.
 class PanneRows {
  public:
@@ -154,7 +154,7 @@ class PanneRows {
   std::vector<std::uint32_t> inner_;     // clusters that a cluster holds
 
   std::optional<PanneTable> table_;      // of an encoder
-  std::vector<std::uint32_t> in_order_;  // their symbols, by (first, rank)
+  std::vector<std::uint32_t> in_order_;  // their members, by (first, rank)
 };
 
 }  // namespace vismat

@@ -87,7 +87,7 @@ class Search {
     rounds(effort, [this](Known& known) { share_round(known); });
     rounds(effort, [this](Known& known) { join_round(known); });
   }
-  // Stuck: some clusters are dissolved, and their symbols find other partners. The caller sees one step, if it saves.
+  // Stuck: some clusters are dissolved, and their members find other partners. The caller sees one step, if it saves.
   void try_otherwise() {
     const PanneTable before = table_;
     std::vector<bool> chosen(table_.clusters());
@@ -109,9 +109,9 @@ class Search {
   void group_equal_columns(const VisibilityMatrix& matrix, Effort effort) {
     PanneTable grouped = table_;
     if (!grouped.group_equal_columns(matrix)) return;
-    std::uint64_t symbols = 0;
-    for (const auto& list : grouped.lists()) symbols += list.size();
-    if (symbols + matrix.ones() / 16 > matrix.ones()) return;
+    std::uint64_t members = 0;
+    for (const auto& list : grouped.lists()) members += list.size();
+    if (members + matrix.ones() / 16 > matrix.ones()) return;
     if (grouped.price() < table_.price() + table_.price() / 4) {
       const auto few_rounds = [&](PanneTable table) {
         PanneSearch quiet;
@@ -154,7 +154,7 @@ class Search {
     });
   }
 
-  // What is known of items, lists or symbols, from round to round.
+  // What is known of items, lists or members, from round to round.
   struct Known {
     static constexpr std::size_t partners = 3;
     Effort effort{};
@@ -327,8 +327,8 @@ class Search {
 
   void join_round(Known& known) {
     const auto lists = table_.lists();
-    const std::uint32_t symbols = table_.shape().columns + table_.clusters();
-    std::vector<std::uint64_t> begin(std::size_t{symbols} + 1, 0);  // of the lists that hold a symbol
+    const std::uint32_t members = table_.shape().columns + table_.clusters();
+    std::vector<std::uint64_t> begin(std::size_t{members} + 1, 0);  // of the lists that hold a member
     for (const auto& list : lists) {
       for (const std::uint32_t s : list) ++begin[s + 1];
     }
@@ -343,9 +343,9 @@ class Search {
     const auto of = [&](std::uint32_t s) {
       return std::span<const std::uint32_t>(holders).subspan(begin[s], begin[s + 1] - begin[s]);
     };
-    known.resize(symbols);
+    known.resize(members);
     std::vector<std::uint32_t> active;
-    for (std::uint32_t s = 0; s < symbols; ++s) {
+    for (std::uint32_t s = 0; s < members; ++s) {
       if (of(s).size() >= 2) active.push_back(s);
     }
     const auto orders = orders_of(known, active, of, [this](std::uint32_t s) { return table_.first(s); });

@@ -32,7 +32,7 @@ PanneTable::PanneTable(const VisibilityMatrix& matrix)
 
 // --- Prices ---------------------------------------------------------------------------------------------------------------
 
-// Adds up what symbols cost, one after another.
+// Adds up what members cost, one after another.
 class PanneTable::Pricer {
  public:
   Pricer(const PanneTable& table, std::uint32_t from) : table_(table), from_(from) {}
@@ -46,19 +46,19 @@ class PanneTable::Pricer {
               table_.prices_.of(PanneNumber::rank, cluster.rank);
     from_ = cluster.reach;
   }
-  void symbol(std::uint32_t symbol) {
-    if (!table_.is_object(symbol)) {
-      const Cluster& it = table_.clusters_[symbol - table_.shape_.columns];
+  void member(std::uint32_t member) {
+    if (!table_.is_object(member)) {
+      const Cluster& it = table_.clusters_[member - table_.shape_.columns];
       return cluster({it.first, it.reach, it.rank});
     }
-    if (run_ > 0 && symbol == from_) {
+    if (run_ > 0 && member == from_) {
       ++run_;
     } else {
       close();
-      step_ = symbol - from_ + 1;
+      step_ = member - from_ + 1;
       run_ = 1;
     }
-    from_ = symbol + 1;
+    from_ = member + 1;
   }
   std::uint64_t price() {
     close();
@@ -87,7 +87,7 @@ std::uint64_t PanneTable::list_price(std::span<const std::uint32_t> list, bool r
     pricer.lead(rank(list[0]), reach(list[0]));
     list = list.subspan(1);
   }
-  for (const std::uint32_t symbol : list) pricer.symbol(symbol);
+  for (const std::uint32_t member : list) pricer.member(member);
   return pricer.price() + prices_.of(PanneNumber::end, 1);
 }
 
@@ -153,14 +153,14 @@ bool PanneTable::group_equal_columns(const VisibilityMatrix& matrix) {
   if (groups.empty()) return false;
   std::sort(groups.begin(), groups.end());
   PanneTable grouped = *this;
-  std::vector<std::uint32_t> symbol_of(shape_.columns);
-  std::iota(symbol_of.begin(), symbol_of.end(), 0);
+  std::vector<std::uint32_t> member_of(shape_.columns);
+  std::iota(member_of.begin(), member_of.end(), 0);
   for (const List& group : groups) {
-    for (const std::uint32_t c : group) symbol_of[c] = nothing;
-    symbol_of[group[0]] = grouped.add(group, rows_of.row(group[0])[0]);
+    for (const std::uint32_t c : group) member_of[c] = nothing;
+    member_of[group[0]] = grouped.add(group, rows_of.row(group[0])[0]);
   }
   for (std::uint32_t r = 0; r < shape_.rows; ++r) {
-    for (std::uint32_t& symbol : grouped.lists_[r]) symbol = symbol_of[symbol];
+    for (std::uint32_t& member : grouped.lists_[r]) member = member_of[member];
     std::erase(grouped.lists_[r], nothing);
   }
   grouped.prices_ = PannePrices(grouped.counts());
@@ -171,16 +171,16 @@ bool PanneTable::group_equal_columns(const VisibilityMatrix& matrix) {
 
 // --- A subset that two lists share --------------------------------------------------------------------------------------------
 
-// Takes from `common` what would change how far the list reaches, if it is a cluster: of the symbols through which it
+// Takes from `common` what would change how far the list reaches, if it is a cluster: of the members through which it
 // does those behind one that is not common.
 void PanneTable::keep_reach(std::uint32_t list, List& common) const {
   if (is_row(list) || common.empty()) return;
-  const List& symbols = lists_[list];
+  const List& members = lists_[list];
   std::size_t met = 0, kept = 0;  // of the common ones
   bool broken = false;
-  std::uint32_t to = first(symbols[0]);
-  for (std::size_t i = 0; i < symbols.size() && first(symbols[i]) == to; to = reach(symbols[i++])) {
-    if (met == common.size() || common[met] != symbols[i]) {
+  std::uint32_t to = first(members[0]);
+  for (std::size_t i = 0; i < members.size() && first(members[i]) == to; to = reach(members[i++])) {
+    if (met == common.size() || common[met] != members[i]) {
       broken = met > 0;
     } else {
       if (!broken) common[kept++] = common[met];
@@ -213,8 +213,8 @@ std::int64_t PanneTable::saved_by_sharing(std::uint32_t a, std::uint32_t b, List
   const std::uint32_t begin = first(common[0]);
   NewCluster cluster{begin, 0, heads_[begin] + 1};
   if (is_a || is_b) {
-    const std::uint32_t symbol = symbol_of_list(is_a ? a : b);
-    cluster = {begin, reach(symbol), rank(symbol)};
+    const std::uint32_t member = member_of_list(is_a ? a : b);
+    cluster = {begin, reach(member), rank(member)};
   } else {
     cluster.reach = reach_of(common);
   }
@@ -232,7 +232,7 @@ std::int64_t PanneTable::saved_by_sharing(std::uint32_t a, std::uint32_t b, List
     }
     for (; i < list.size(); ++i) {
       if (taken == common.size() || list[i] != common[taken])
-        pricer.symbol(list[i]);
+        pricer.member(list[i]);
       else if (taken++ == 0)
         pricer.cluster(cluster);
     }
@@ -251,14 +251,14 @@ bool PanneTable::share(std::uint32_t a, std::uint32_t b) {
   if (saved <= 0) return false;
   const bool is_a = !is_row(a) && common.size() == lists_[a].size(),
              is_b = !is_row(b) && common.size() == lists_[b].size();
-  const std::uint32_t symbol =
-      is_a || is_b ? symbol_of_list(is_a ? a : b) : add(common, std::min(row_near(a), row_near(b)));
+  const std::uint32_t member =
+      is_a || is_b ? member_of_list(is_a ? a : b) : add(common, std::min(row_near(a), row_near(b)));
   for (const std::uint32_t l : {a, b}) {
     if (l == (is_a ? a : is_b ? b : nothing)) continue;
     std::size_t taken = 0;
     for (std::uint32_t& s : lists_[l]) {
       if (taken == common.size() || s != common[taken]) continue;
-      s = taken++ == 0 ? symbol : nothing;
+      s = taken++ == 0 ? member : nothing;
     }
     std::erase(lists_[l], nothing);
   }
@@ -266,29 +266,29 @@ bool PanneTable::share(std::uint32_t a, std::uint32_t b) {
   return true;
 }
 
-// --- Two symbols that many lists hold -----------------------------------------------------------------------------------------
+// --- Two members that many lists hold -----------------------------------------------------------------------------------------
 
-std::size_t PanneTable::place_of(std::uint32_t list, std::uint32_t symbol) const {
-  const List& symbols = lists_[list];
-  const std::uint32_t begin = first(symbol);
+std::size_t PanneTable::place_of(std::uint32_t list, std::uint32_t member) const {
+  const List& members = lists_[list];
+  const std::uint32_t begin = first(member);
   return static_cast<std::size_t>(
-      std::lower_bound(symbols.begin(), symbols.end(), begin,
+      std::lower_bound(members.begin(), members.end(), begin,
                        [this](std::uint32_t s, std::uint32_t f) { return first(s) < f; }) -
-      symbols.begin());
+      members.begin());
 }
 
 PanneTable::Joined PanneTable::joined(std::uint32_t x, std::uint32_t y,
                                       std::span<const std::uint32_t> both) const {
   for (const std::uint32_t l : both) {
     if (is_row(l) || lists_[l].size() != 2) continue;
-    const std::uint32_t symbol = symbol_of_list(l);
-    return {{first(symbol), reach(symbol), rank(symbol)}, true, symbol};
+    const std::uint32_t member = member_of_list(l);
+    return {{first(member), reach(member), rank(member)}, true, member};
   }
   const std::uint32_t begin = first(x);
   return {{begin, first(y) == reach(x) ? reach(y) : reach(x), heads_[begin] + 1}, false, 0};
 }
 
-// Whether the symbol at this place goes on a run of objects.
+// Whether the member at this place goes on a run of objects.
 inline bool PanneTable::follows(const List& list, std::size_t place) const {
   return place > 0 && is_object(list[place]) && list[place] == list[place - 1] + 1;
 }
@@ -333,11 +333,11 @@ std::int64_t PanneTable::saved_in(std::uint32_t l, std::uint32_t x, std::uint32_
       ++k;
     }
     for (; k < end; ++k) {
-      before.symbol(list[k]);
+      before.member(list[k]);
       if (k == i)
         after.cluster(cluster);
       else if (k != j)
-        after.symbol(list[k]);
+        after.member(list[k]);
     }
     return difference(before.price(), after.price());
   };
@@ -368,9 +368,9 @@ bool PanneTable::join(std::uint32_t x, std::uint32_t y, std::span<const std::uin
   for (const std::uint32_t l : both) {
     if (saved_in(l, x, y, it.cluster) > 0) where.push_back(l);
   }
-  const std::uint32_t symbol = it.exists ? it.symbol : add({x, y}, row_near(where[0]));
+  const std::uint32_t member = it.exists ? it.member : add({x, y}, row_near(where[0]));
   for (const std::uint32_t l : where) {
-    lists_[l][place_of(l, x)] = symbol;
+    lists_[l][place_of(l, x)] = member;
     lists_[l].erase(lists_[l].begin() + static_cast<std::ptrdiff_t>(place_of(l, y)));
   }
   price_ -= static_cast<std::uint64_t>(saved);
@@ -382,16 +382,16 @@ bool PanneTable::join(std::uint32_t x, std::uint32_t y, std::span<const std::uin
 std::uint32_t PanneTable::dissolve() {
   std::vector<std::uint32_t> uses(clusters_.size(), 0), user(clusters_.size(), 0);
   for (std::uint32_t l = 0; l < lists_.size(); ++l) {
-    for (const std::uint32_t symbol : lists_[l]) {
-      if (is_object(symbol)) continue;
-      ++uses[symbol - shape_.columns];
-      user[symbol - shape_.columns] = l;
+    for (const std::uint32_t member : lists_[l]) {
+      if (is_object(member)) continue;
+      ++uses[member - shape_.columns];
+      user[member - shape_.columns] = l;
     }
   }
   std::uint32_t gone = 0;
   // The last made first: what holds a cluster was mostly made after it.
   for (std::uint32_t v = clusters(); v-- > 0;) {
-    const std::uint32_t symbol = shape_.columns + v, own = shape_.rows + v;
+    const std::uint32_t member = shape_.columns + v, own = shape_.rows + v;
     List& content = lists_[own];
     if (content.empty() || uses[v] > 1) continue;
     std::uint64_t saved = list_price(content, false);
@@ -403,12 +403,12 @@ std::uint32_t PanneTable::dissolve() {
       for (const std::uint32_t s : lists_[l]) {
         for (; next < content.size() && first(content[next]) < first(s); ++next)
           merged.push_back(content[next]);
-        if (s != symbol) merged.push_back(s);
+        if (s != member) merged.push_back(s);
       }
       merged.insert(merged.end(), content.begin() + static_cast<std::ptrdiff_t>(next), content.end());
       saved += list_price(lists_[l], is_row(l));
       const std::uint64_t more = list_price(merged, is_row(l));
-      if (saved <= more || (!is_row(l) && reach_of(merged) != reach(symbol_of_list(l)))) continue;
+      if (saved <= more || (!is_row(l) && reach_of(merged) != reach(member_of_list(l)))) continue;
       saved -= more;
       lists_[l] = std::move(merged);
       for (const std::uint32_t s : content) {
@@ -430,8 +430,8 @@ std::uint32_t PanneTable::dissolve() {
 }
 
 void PanneTable::loosen(const std::vector<bool>& chosen) {
-  const auto goes = [&](std::uint32_t symbol) {
-    return !is_object(symbol) && chosen[symbol - shape_.columns];
+  const auto goes = [&](std::uint32_t member) {
+    return !is_object(member) && chosen[member - shape_.columns];
   };
   List loose, open;
   for (std::uint32_t l = 0; l < lists_.size(); ++l) {
@@ -439,18 +439,18 @@ void PanneTable::loosen(const std::vector<bool>& chosen) {
     loose.clear();
     open = lists_[l];
     while (!open.empty()) {
-      const std::uint32_t symbol = open.back();
+      const std::uint32_t member = open.back();
       open.pop_back();
-      if (!goes(symbol)) {
-        loose.push_back(symbol);
+      if (!goes(member)) {
+        loose.push_back(member);
         continue;
       }
-      const List& content = lists_[list_of_symbol(symbol)];
+      const List& content = lists_[list_of_member(member)];
       open.insert(open.end(), content.begin(), content.end());
     }
     std::sort(loose.begin(), loose.end(),
               [this](std::uint32_t a, std::uint32_t b) { return first(a) < first(b); });
-    if (is_row(l) || reach_of(loose) == reach(symbol_of_list(l))) lists_[l] = loose;
+    if (is_row(l) || reach_of(loose) == reach(member_of_list(l))) lists_[l] = loose;
   }
   price_ = price_of_all();
 }
@@ -458,8 +458,8 @@ void PanneTable::loosen(const std::vector<bool>& chosen) {
 bool PanneTable::settle() {
   std::vector<std::uint32_t> uses(clusters_.size(), 0), by_uses(clusters_.size());
   for (const List& list : lists_) {
-    for (const std::uint32_t symbol : list) {
-      if (!is_object(symbol)) ++uses[symbol - shape_.columns];
+    for (const std::uint32_t member : list) {
+      if (!is_object(member)) ++uses[member - shape_.columns];
     }
   }
   std::iota(by_uses.begin(), by_uses.end(), 0);
@@ -499,12 +499,12 @@ void PanneTable::close_ranks() {
 PanneTable::List PanneTable::expand(std::uint32_t list) const {
   List objects, open(lists_[list]);
   while (!open.empty()) {
-    const std::uint32_t symbol = open.back();
+    const std::uint32_t member = open.back();
     open.pop_back();
-    if (is_object(symbol))
-      objects.push_back(symbol);
+    if (is_object(member))
+      objects.push_back(member);
     else
-      open.insert(open.end(), lists_[list_of_symbol(symbol)].begin(), lists_[list_of_symbol(symbol)].end());
+      open.insert(open.end(), lists_[list_of_member(member)].begin(), lists_[list_of_member(member)].end());
   }
   std::sort(objects.begin(), objects.end());
   return objects;

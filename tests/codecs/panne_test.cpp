@@ -97,8 +97,8 @@ TEST(PanneSearch, KeepsWhatPricesRestOn) {
         if (table.first(list[i]) == reach) reach = table.reach(list[i]);
       }
       if (table.is_row(l)) continue;
-      EXPECT_EQ(table.first(table.symbol_of_list(l)), objects[0]) << m.name;
-      EXPECT_EQ(table.reach(table.symbol_of_list(l)), reach) << m.name;
+      EXPECT_EQ(table.first(table.member_of_list(l)), objects[0]) << m.name;
+      EXPECT_EQ(table.reach(table.member_of_list(l)), reach) << m.name;
     }
   }
 }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "matrix/base/random.h"
-#include "visibility/geometry/bounds.h"
+#include "visibility/geometry/point_bounds.h"
 
 namespace vismat {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "matrix/dataset.h"
-#include "visibility/geometry/bounds.h"
 #include "visibility/geometry/mesh.h"
+#include "visibility/geometry/point_bounds.h"
 
 namespace vismat {
 

@@ -11,7 +11,7 @@
 #include <glm/geometric.hpp>
 #include <memory>
 
-#include "visibility/geometry/bounds.h"
+#include "visibility/geometry/point_bounds.h"
 
 namespace vismat {
 namespace {

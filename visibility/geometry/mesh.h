@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "visibility/geometry/bounds.h"
+#include "visibility/geometry/point_bounds.h"
 
 namespace vismat {
 

@@ -11,8 +11,8 @@
 #include <optional>
 #include <utility>
 
-#include "visibility/geometry/bounds.h"
 #include "visibility/geometry/plane_geometry.h"
+#include "visibility/geometry/point_bounds.h"
 #include "visibility/shadows/inner_boxes.h"
 
 namespace vismat {

@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "visibility/geometry/bounds.h"
 #include "visibility/geometry/mesh.h"
+#include "visibility/geometry/point_bounds.h"
 
 namespace vismat {
 

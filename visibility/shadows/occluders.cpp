@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "matrix/base/parallel.h"
-#include "visibility/geometry/bounds.h"
+#include "visibility/geometry/point_bounds.h"
 #include "visibility/shadows/coplanar.h"
 #include "visibility/shadows/flat_occluders.h"
 #include "visibility/shadows/solid_occluders.h"

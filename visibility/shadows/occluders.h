@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "visibility/geometry/bounds.h"
 #include "visibility/geometry/convex.h"
 #include "visibility/geometry/mesh.h"
+#include "visibility/geometry/point_bounds.h"
 #include "visibility/scene.h"
 
 namespace vismat {

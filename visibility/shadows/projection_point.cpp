@@ -16,7 +16,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "visibility/geometry/bounds.h"
+#include "visibility/geometry/point_bounds.h"
 namespace vismat {
 namespace {
 

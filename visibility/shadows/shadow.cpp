@@ -22,7 +22,7 @@
 #include <utility>
 
 #include "visibility/geometry/bounding_volume_tree.h"
-#include "visibility/geometry/bounds.h"
+#include "visibility/geometry/point_bounds.h"
 #include "visibility/shadows/shadow_buffer.h"
 
 namespace vismat {

@@ -17,7 +17,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "visibility/geometry/bounds.h"
+#include "visibility/geometry/point_bounds.h"
 #include "visibility/shadows/inner_boxes.h"
 
 namespace vismat {
