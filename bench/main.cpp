@@ -45,6 +45,8 @@ constexpr Entry entries[] = {
     {"Visibility", "visibility-failures", "Where and why producers of visibility fail",
      add_visibility_failures},
     {"Visibility", "octree-tables", "The adaptive octree of view cells, level by level", add_octree_tables},
+    {"Visibility", "octants", "Makes a matrix of view cells x octants: what is seen of a level in an octree",
+     add_octants},
     {"Visibility", "never-hidden", "Casts rays at objects reported hidden; fails if one arrives",
      add_never_hidden},
     {"Visibility", "peer-pvs",

@@ -29,13 +29,13 @@ void register_codec(const Codec& codec, const Dataset& data) {
   const std::string name(codec.name);
   benchmark::RegisterBenchmark((name + "/encode").c_str(), [&codec, &data](benchmark::State& state) {
     const Dataset prepared = prepared_for(codec, data, {.orders = false});
-    const Side side = side_of(codec, prepared);
+    const auto side = side_of(codec, prepared);
     for (auto _ : state) benchmark::DoNotOptimize(codec.encode(prepared.matrix, side, {}).payload.data());
     count_bitmap_bytes(state, prepared.matrix.shape());
   })->Unit(benchmark::kMillisecond);
   benchmark::RegisterBenchmark((name + "/decode").c_str(), [&codec, &data](benchmark::State& state) {
     const Dataset prepared = prepared_for(codec, data, {.orders = false});
-    const Side side = side_of(codec, prepared);
+    const auto side = side_of(codec, prepared);
     const Encoded encoded = codec.encode(prepared.matrix, side, {});
     const auto decoded = [&] { return decode(codec, encoded, prepared.matrix.shape(), side); };
     if (decoded() != prepared.matrix) state.SkipWithError("does not restore the matrix");

@@ -13,6 +13,7 @@ void add_import_levels(const Verb& verb);
 void add_lossy_failures(const Verb& verb);
 void add_lossy_tables(const Verb& verb);
 void add_never_hidden(const Verb& verb);
+void add_octants(const Verb& verb);
 void add_octree_tables(const Verb& verb);
 void add_order_failures(const Verb& verb);
 void add_order_scale(const Verb& verb);
