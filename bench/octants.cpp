@@ -42,21 +42,22 @@ struct OctantsOptions {
   std::filesystem::path output;
 };
 
-struct Surroundings {
+struct SceneToCut {
   SceneFile file;
-  std::optional<Level> level;  // if it is one
+  std::optional<Level> level;  // if it is one, and tells what lies within it
 };
 
-Surroundings read_surroundings(const std::string& name, unsigned threads) {
+SceneToCut read_whole(const std::string& name, unsigned threads) {
   if (name == "dense-city") return {make_dense_city(), {}};
   if (name == "plant") {
     PlantOptions options;
     options.size = 3;
     return {make_plant(options, threads), {}};
   }
-  Surroundings around{read_any_scene(name).file, {}};
-  if (names_level(name)) around.level = read_level(name, {.visibility = false});
-  return around;
+  SceneToCut whole{read_any_scene(name).file, {}};
+  if (names_level(name)) whole.level = read_level(name, {.visibility = false});
+  if (whole.level && whole.level->places.nodes.empty()) whole.level.reset();
+  return whole;
 }
 
 /// Points inside of the level, one in each cluster whose box has its middle there.
@@ -71,26 +72,14 @@ std::vector<glm::vec3> points_within(const Level& level, const Box& region) {
   return points;
 }
 
-/// Whether a point of a lattice within the box lies in a cluster.
-bool is_within(const Level& level, const Box& box) {
-  constexpr unsigned points =
-      6;  // along each axis; walls of levels are seldom thinner than a sixth of a view cell
-  const glm::dvec3 low(box.low[0], box.low[1], box.low[2]), high(box.high[0], box.high[1], box.high[2]);
-  for (unsigned i = 0; i < points * points * points; ++i) {
-    const glm::dvec3 at(i % points, i / points % points, i / (points * points));
-    if (cell_at(level.places, low + (high - low) * ((at + 0.5) / double{points})) >= 0) return true;
-  }
-  return false;
-}
-
 /// The cells that the words ask for. Rays and walls alone cannot tell what is within a level, whose outer faces are not drawn.
-ViewCells cells_of(const Surroundings& around, CellsWords words) {
-  const Scene& scene = around.file.scene;
-  CellsChoice choice = parse_cells(words, around.file.origin);
+ViewCells cells_of(const SceneToCut& whole, CellsWords words) {
+  const Scene& scene = whole.file.scene;
+  CellsChoice choice = parse_cells(words, whole.file.origin);
   const auto start = [&](auto& options) {
     if constexpr (!std::is_same_v<std::decay_t<decltype(options)>, std::monostate>) {
-      if (around.level && options.viewers.from.empty())
-        options.viewers.from = points_within(*around.level, bounds_of(scene));
+      if (whole.level && options.viewers.from.empty())
+        options.viewers.from = points_within(*whole.level, bounds_of(scene));
     }
   };
   std::visit(start, choice);
@@ -98,18 +87,19 @@ ViewCells cells_of(const Surroundings& around, CellsWords words) {
   const VisibleTriangles count = [&](const ViewCells& cells) {
     return triangles_of_rows(see_bounds(scene, cells, effort(0), runner).not_hidden, scene);
   };
-  ViewCells cells = choose_cells(scene, around.file.cells, choice, count).cells;
-  if (around.level &&
-      std::erase_if(cells.boxes, [&](const Box& box) { return !is_within(*around.level, box); }) > 0)
+  ViewCells cells = choose_cells(scene, whole.file.cells, choice, count).cells;
+  if (whole.level && std::erase_if(cells.boxes, [&](const Box& box) {
+                       return !has_point_in_cell(whole.level->places, box);
+                     }) > 0)
     cells.neighbours = touching_boxes(cell_bounds(cells));
   return cells;
 }
 
 /// The scene's own view cells; otherwise boxes, the smallest of which there are not too many.
-ViewCells view_cells_of(const Surroundings& around, const OctantsOptions& options) {
-  if (options.cells.cells != "auto") return cells_of(around, options.cells);
-  if (around.file.cells.count() > 0) return around.file.cells;
-  const Box bounds = bounds_of(around.file.scene);
+ViewCells view_cells_of(const SceneToCut& whole, const OctantsOptions& options) {
+  if (options.cells.cells != "auto") return cells_of(whole, options.cells);
+  if (whole.file.cells.count() > 0) return whole.file.cells;
+  const Box bounds = bounds_of(whole.file.scene);
   double side = 0;
   for (unsigned axis = 0; axis < 3; ++axis)
     side = std::max(side, double{bounds.high[axis]} - bounds.low[axis]);
@@ -118,7 +108,7 @@ ViewCells view_cells_of(const Surroundings& around, const OctantsOptions& option
     std::array<char, 32> text;
     std::snprintf(text.data(), text.size(), "grid:%.3g", size);
     words.cells = text.data();
-    return cells_of(around, words);
+    return cells_of(whole, words);
   };
   ViewCells cells = grid(side /= 4);
   while (true) {
@@ -154,9 +144,9 @@ void run_octants(OctantsOptions options) {
   const Producer& producer = producer_named(options.producer);
   check_taken(producer, options.see);
   if (!options.see.rays && producer.takes(&ProducerOptions::rays)) options.see.rays = 1000;
-  const Surroundings around = read_surroundings(options.level, options.see.threads);
-  const Octants octants = octants_of(around.file.scene, options.octants);
-  const ViewCells cells = view_cells_of(around, options);
+  const SceneToCut whole = read_whole(options.level, options.see.threads);
+  const Octants octants = octants_of(whole.file.scene, options.octants);
+  const ViewCells cells = view_cells_of(whole, options);
   const double side = double{octants.boxes[0].high[0]} - octants.boxes[0].low[0];
   std::printf("%s: %u octants of %.3g m, in %zu triangles; %u view cells\n", options.level.c_str(),
               octants.count(), side, octants.scene.object_of_triangle.size(), cells.count());
@@ -171,7 +161,7 @@ void run_octants(OctantsOptions options) {
   dataset.columns_are = "octant";
   std::array<char, 64> made;
   std::snprintf(made.data(), made.size(), "; %u octants of %.9g m; of ", octants.count(), side);
-  dataset.provenance = producer.describe(options.see) + made.data() + around.file.provenance;
+  dataset.provenance = producer.describe(options.see) + made.data() + whole.file.provenance;
   dataset.guarantee = producer.guarantee;
   dataset.seed = options.see.seed.value_or(1);
   dataset.row_bounds = cell_bounds(cells);

@@ -370,6 +370,9 @@ TEST(Quake3Bsp, CellsAlongASegment) {
   EXPECT_EQ(along({7, 1, 1}, {7, 1, -1}), (Parts{{-1, 0, 0.5}, {1, 0.5, 1}}));
   EXPECT_EQ(cell_at(places, {5, 0, 0}), 2);
   EXPECT_EQ(cell_at(places, {9, 0, 1}), -1);
+  EXPECT_TRUE(has_point_in_cell(places, {{4, 0, 1}, {20, 1, 2}})) << "the first of six points along x";
+  EXPECT_FALSE(has_point_in_cell(places, {{6, 0, 1}, {9, 1, 2}}));
+  EXPECT_TRUE(has_point_in_cell(places, {{6, 0, -10}, {9, 1, 1}}));
 
   quake.planes.push_back({0, 0, std::numeric_limits<float>::quiet_NaN(), 0});  // of no node
   EXPECT_EQ(parse_quake3_bsp(quake.bytes()).places.nodes.size(), 4u);

@@ -45,4 +45,14 @@ std::int32_t cell_at(const LevelPlaces& places, const glm::dvec3& point) {
   return stays_along(places, point, point).front().cell;
 }
 
+bool has_point_in_cell(const LevelPlaces& places, const Box& box) {
+  constexpr unsigned points = 6;
+  const glm::dvec3 low(box.low[0], box.low[1], box.low[2]), high(box.high[0], box.high[1], box.high[2]);
+  for (unsigned i = 0; i < points * points * points; ++i) {
+    const glm::dvec3 at(i % points, i / points % points, i / (points * points));
+    if (cell_at(places, low + (high - low) * ((at + 0.5) / double{points})) >= 0) return true;
+  }
+  return false;
+}
+
 }  // namespace vismat

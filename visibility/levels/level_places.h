@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "matrix/box.h"
 #include "visibility/levels/level_tree.h"
 
 namespace vismat {
@@ -32,5 +33,8 @@ struct Stay {
 /// empty.
 std::vector<Stay> stays_along(const LevelPlaces& places, const glm::dvec3& from, const glm::dvec3& to);
 std::int32_t cell_at(const LevelPlaces& places, const glm::dvec3& point);
+/// Whether one of 6 x 6 x 6 points, spread evenly over the inside of the box, lies in a cell. Walls cut off parts of a box that
+/// are thinner than a sixth of it, which may be missed.
+bool has_point_in_cell(const LevelPlaces& places, const Box& box);
 
 }  // namespace vismat
