@@ -4,48 +4,59 @@ import numpy
 import pandas as pd
 
 from lossy_tables import TABLE_3_LOST, TREES, lossless
-from report_tools import BLUE, GREEN, GREY, LIGHT_BLUE, LIGHT_ORANGE, ORANGE, RED, bare, legend_below, name_of, panels, plain_ticks
+from report_tools import BLUE, GREEN, GREY, LIGHT_BLUE, LIGHT_ORANGE, ORANGE, PURPLE, RED, SKY, TEAL, bare, legend_below, name_of, panels, plain_ticks
 
-SIDES = {"cells": BLUE, "objects": ORANGE, "both": GREEN}
-LOOKS = {"pair-ans": ("-", "o"), "zach3-huffman": ("-", "o"), "zach4-huffman": (":", "s"), "jbig1": ("--", "^"), "panne": ("-.", "D")}
+BROWN = "#795548"
+# By codec; one that is not named here gets a colour of REST. Sides that are merged alone are drawn of the smallest codec only.
+CODECS = {"rows-small": BLUE, "rows-quick": SKY, "rows-fast-ids": TEAL, "rows-fast-bits": GREEN, "bv": RED, "pair-ans": BROWN, "jbig1": ORANGE, "panne": PURPLE, "zach3-huffman": "#333333",
+          "zach4-huffman": GREY}
+REST = (GREEN, TEAL, SKY, PURPLE)
 NOT_DRAWN = {"delimiter", "xz", "zach3-range", "zach4-range"}  # beside another line
+ALONE = {"cells": ("--", "only view cells merged"), "objects": (":", "only objects merged")}
+MARKED = {.01: ("s", "1 %"), TABLE_3_LOST: ("o", "5 %")}  # of the occlusions lost
 
 
 def draw_curves(results, columns=3, matrices=None):
-    """Bytes, including the maps of rows and columns, against the added entries; a panel for each matrix."""
+    """Bytes, including the maps of rows and columns, against the added entries; a panel for each matrix and a line for each codec."""
     matrices = matrices or results.matrices
     figure, all_axes = panels(len(matrices), columns, 4.9, 3.9)
-    curves = results.curves[(results.curves.method == "pairs") & (results.curves.max_per_cell == 1)]
-    drawn = {}
+    curves = results.curves[(results.curves.method == "pairs") & (results.curves.max_per_cell == 1) & ~results.curves.codec.isin(NOT_DRAWN)]
+    names = list(dict.fromkeys(curves.codec))
+    colours = {codec: CODECS.get(codec, REST[i % len(REST)]) for i, codec in enumerate(names)}
+    alone = set()
     for axes, matrix in zip(all_axes, matrices):
         base = lossless(results, matrix)
-        for (side, codec), of in curves[curves.matrix == matrix].groupby(["side", "codec"], sort=False):
-            if codec in NOT_DRAWN:
-                continue
-            line, marker = LOOKS.get(codec, ("-", "x"))
-            of = of[of.lost > 0].sort_values("added_share")
-            x, y = [0, *100 * of.added_share], [base.total[codec], *of.total]
-            axes.plot(x, numpy.array(y) / 1e3, color=SIDES[side], linestyle=line, marker=marker, markersize=3.5, linewidth=1.2, markerfacecolor="white" if line != "-" else None)
-            drawn[codec] = (line, marker)
-            at = of[of.lost == TABLE_3_LOST]
-            axes.plot(100 * at.added_share, at.total / 1e3, marker=marker, markersize=7, color=SIDES[side], linestyle="")
-        best = base.drop(index=[codec for codec in base.index if codec in NOT_DRAWN]).total.min() / 1e3
-        axes.plot(0, best, marker="*", markersize=13, color=RED, zorder=5, clip_on=False)
-        axes.axhline(best, color=RED, linewidth=.7)
-        axes.axhline(best / 2, color=RED, linewidth=.9, linestyle=":")
+        drawn, all_sides = curves[curves.matrix == matrix], {}
+        for (side, codec), of in drawn.groupby(["side", "codec"], sort=False):
+            all_sides.setdefault(side, {})[codec] = of[of.lost > 0].sort_values("added_share")
+        main = "both" if "both" in all_sides else next(iter(all_sides))
+        smallest = min(all_sides[main], key=lambda codec: all_sides[main][codec].total.iloc[-1])
+        lines = [(codec, of, "-") for codec, of in all_sides[main].items()]
+        for side, (line, _) in ALONE.items():
+            if side != main and smallest in all_sides.get(side, {}):
+                lines.append((smallest, all_sides[side][smallest], line))
+                alone.add(side)
+        for codec, of, line in lines:
+            axes.plot([0, *100 * of.added_share], numpy.array([base.total[codec], *of.total]) / 1e3, color=colours[codec], linestyle=line, linewidth=1.6 if line == "-" else 1)
+            for lost, (marker, _) in MARKED.items():
+                at = of[of.lost == lost]
+                axes.plot(100 * at.added_share, at.total / 1e3, marker=marker, markersize=4, color=colours[codec], linestyle="")
+        best = base.total.reindex(all_sides[main]).min() / 1e3
+        axes.axhline(best, color="black", linewidth=.7)
+        axes.axhline(best / 2, color="black", linewidth=.7, linestyle=(0, (1, 4)))
         axes.set_xscale("symlog", linthresh=2, linscale=.6)
         axes.set_yscale("log")
         axes.set(xlabel="added entries, % of the visible ones", ylabel="kB with maps", xticks=[0, 1, 2, 5, 10, 20, 50, 100])
-        axes.set_xlim(-.15, max(100, 110 * curves[curves.matrix == matrix].added_share.max()))
+        axes.set_xlim(-.15, max(100, 110 * drawn.added_share.max()))
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_locator(plt.NullLocator())
         plain_ticks(axes.yaxis, "", (1, 2, 5))
         first = base.iloc[0]
         axes.set_title(f"{name_of(matrix)}: {first.rows:,} x {first['columns']:,}, {first.ones / first.rows / first['columns']:.1%} visible", fontsize=9, loc="left")
-    handles = [plt.Line2D([], [], color=RED, marker="*", markersize=11, linewidth=.7, label="smallest without loss"), plt.Line2D([], [], color=RED, linestyle=":", label="half of that"),
-               *(plt.Line2D([], [], color=colour, linewidth=3, label=f"{side} merged".replace("cells", "view cells")) for side, colour in SIDES.items()),
-               *(plt.Line2D([], [], color="black", linestyle=line, marker=marker, markersize=4, markerfacecolor="white" if line != "-" else None, label=codec) for codec, (line, marker) in drawn.items()),
-               plt.Line2D([], [], color=GREY, marker="o", markersize=7, linestyle="", label="5 % of occlusions lost")]
+    handles = [*(plt.Line2D([], [], color=colours[codec], linewidth=2, label=codec) for codec in names),
+               *(plt.Line2D([], [], color=GREY, linestyle=line, label=f"{label}, smallest codec") for side, (line, label) in ALONE.items() if side in alone),
+               *(plt.Line2D([], [], color=GREY, marker=marker, markersize=5, linestyle="", label=f"{share} of occlusions lost") for marker, share in MARKED.values()),
+               plt.Line2D([], [], color="black", linewidth=.7, label="smallest without loss"), plt.Line2D([], [], color="black", linewidth=.7, linestyle=(0, (1, 4)), label="half of that")]
     legend_below(figure, handles, 6, fontsize=8)
     return figure
 
@@ -193,7 +204,7 @@ def draw_search(results):
 
 
 CHARTS = {
-    "lossy_curves": ("Bytes against added entries, with a panel for each matrix. The large mark on each line is at 5 % lost occlusions, as in Table 3", draw_curves, ("curves",)),
+    "lossy_curves": ("Bytes against added entries, with a panel for each matrix, view cells and objects merged where columns are objects. Squares are at 1 %, circles at 5 % lost occlusions, as in Table 3", draw_curves, ("curves",)),
     "lossy_spread": ("Left: twenty random seeds of the paper's grouping. Right: what 5 % lost occlusions save where no rows are alike", draw_spread, ("seeds", "random")),
     "lossy_cells": ("How the loss is spread over the view cells. Above: the loss of each view cell. Below: bytes under a bound on the loss of any one view cell", draw_cells, ("cells", "quantiles")),
     "lossy_broken": ("Left: dense rows among others. Right: trees whose nodes, objects or view cells are merged", draw_broken, ("dense", "trees")),

@@ -27,7 +27,8 @@ def sections(results):
     shown = tools.drawable(CHARTS, results)
     yield ("Table 3: the methods of Zach and Karner at 5 % lost occlusions", "In brackets: how many times smaller than the lossless table. 'Of published' is our "
            "ratio over the published one, both with Huffman codes.", [("", table_3(results))])
-    yield ("Bytes against added entries", "", ["lossy_curves", ("Bytes with maps at 5 % lost occlusions, and their share of the bytes of the same codec without loss", table_of_halves(results)),
+    yield ("Bytes against added entries", "", ["lossy_curves", *((f"Bytes with maps at {lost:.0%} lost occlusions, and their share of the bytes of the same codec without loss", table_of_halves(results, lost))
+                                                         for lost in (.01, .05) if (results.curves.lost == lost).any()),
                                                        ("Bytes with maps by added entries, as a share of the smallest lossless bytes", table_at_extra(results)),
                                                        *([("Every level that Debian packages at 5 % lost occlusions: xz after the best order, both sides merged", table_of_every_level(results))]
                                                          if results.every_level is not None else [])])

@@ -90,10 +90,10 @@ def table_3(results):
     return pd.DataFrame(rows).reindex(columns=columns).fillna("")
 
 
-def table_of_halves(results):
-    """At 5 % lost occlusions, every matrix: bytes with maps, and as a share of the same codec's lossless bytes."""
+def table_of_halves(results, lost=TABLE_3_LOST):
+    """At that share of lost occlusions, every matrix: bytes with maps, and as a share of the same codec's lossless bytes."""
     rows = []
-    curves = results.curves[(results.curves.lost == TABLE_3_LOST) & (results.curves.method == "pairs") & (results.curves.max_per_cell == 1)]
+    curves = results.curves[(results.curves.lost == lost) & (results.curves.method == "pairs") & (results.curves.max_per_cell == 1)]
     for matrix in results.matrices:
         base, of = lossless(results, matrix).total, curves[curves.matrix == matrix]
         totals = of.pivot_table(index="codec", columns="side", values="total", sort=False).reindex(columns=list(SIDES))
