@@ -25,7 +25,7 @@ def walk():
 def main(vismat, bench, out):
     out = pathlib.Path(out)
     shutil.rmtree(out, ignore_errors=True)
-    folders = zach, layout, vlod, lossy, visibility = [out / name for name in ("zach2003", "layout", "vlod", "lossy", "visibility")]
+    folders = zach, layout, vlod, lossy, visibility, rows = [out / name for name in ("zach2003", "layout", "vlod", "lossy", "visibility", "rows")]
     told, matrices, pictures = out / "told", out / "matrices", visibility / "pictures"
     for folder in (*folders, told, matrices, pictures):
         folder.mkdir(parents=True)
@@ -73,12 +73,20 @@ def main(vismat, bench, out):
             run(f"effort {effort}", vismat, "see", scene, "--cells", "grid:4,4,1.5", "--region", "36,36,1,44,44,2.5", "--effort", effort,
                 "-o", f"{name}.bsp.h5", "--seen", f"{name}.seen.bsp.h5")
 
+    def of_rows_alone():
+        octants, cells = matrices / "tiny.octants.bsp.h5", matrices / "tiny.cells.bsp.h5"
+        run("octants", bench, "octants", matrices / "tiny.cells.scene.h5", "--octants", 150, "--cells", "grid:20", "--rays", 20, "-o", octants)
+        run("info octants", vismat, "info", octants)
+        run("rows, natural", vismat, "compare", "--seconds", 0, "--codecs", "zpaq", "--csv", rows / "natural.csv", octants, cells)
+        run("rows", vismat, "compare", "--seconds", 0, "--orders", "best", "--codecs", "pair-ans,quake-rle,roaring,xz", "--csv", rows / "best.csv", octants, cells)
+
     (layout / "disk_walk.csv").write_text(walk())
     both([  # the longest first
         (run, "producers", bench, "visibility-tables", "--csv", visibility / "tables.csv", "--places", 1, "--cells", 1, "tilted-boxes"),
         (run, "compare", vismat, "compare", "--seconds", 0, "--orders", "natural,best", "--csv", vlod / "compare.csv", city_1, differences),
         (run, "lossy failures", bench, "lossy-failures", "--lost", .2, "--seeds", 2, "--size", 60, "--out", lossy, city_1),
         (of_merging,),
+        (of_rows_alone,),
         (of_rows,),
         (run, "order failures", bench, "order-failures", "--out", layout, "--scale", .001, "--columns", 40, "--seeds", 3, "--queries", 10, city_1),
         (of_a_dense_city,),
