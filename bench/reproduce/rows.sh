@@ -11,10 +11,9 @@ compare() {
 
 # in_folder COMMAND...: runs it with a folder for its matrices as last argument, which is removed afterwards.
 in_folder() {
-  local folder
-  folder=$(mktemp -d out/matrices/part/rows-XXXXXX)
-  "$@" "$folder"
-  rm -r "$folder"
+  mkdir "$part/matrices"
+  "$@" "$part/matrices"
+  rm -r "$part/matrices"
 }
 
 # measure_level NAME PLACE FOLDER: the families of matrices that a level has.

@@ -77,6 +77,8 @@ def main(vismat, bench, out):
         octants, cells = matrices / "tiny.octants.bsp.h5", matrices / "tiny.cells.bsp.h5"
         run("octants", bench, "octants", matrices / "tiny.cells.scene.h5", "--octants", 150, "--cells", "grid:20", "--rays", 20, "-o", octants)
         run("info octants", vismat, "info", octants)
+        level = ROOT / "tests/data/fuzz/quake3_bsp/tiny"
+        run("octants of a level", bench, "octants", level, "--octants", 20, "--view-cells", 30, "--rays", 20, "-o", out / "tiny_level.bsp.h5")
         run("rows, natural", vismat, "compare", "--seconds", 0, "--codecs", "zpaq", "--csv", rows / "natural.csv", octants, cells)
         run("rows", vismat, "compare", "--seconds", 0, "--orders", "best", "--codecs", "pair-ans,quake-rle,roaring,xz", "--csv", rows / "best.csv", octants, cells)
 

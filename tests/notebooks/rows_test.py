@@ -36,6 +36,10 @@ class Rows(pages.Pages):
         self.assertEqual(len(columns), 1)
         self.assertTrue(40 < min(columns) <= 150, columns)  # a level more would be too many, a quarter too few
 
+    def test_octants_and_view_cells_are_as_many_as_may_be(self):
+        self.assertIn("18 octants of 0.75 m", pages.told("octants of a level"))
+        self.assertIn("28 view cells", pages.told("octants of a level"))
+
     def test_goals_appear_with_their_codecs(self):
         self.assertEqual(len(rows_report.table_of_goals(self.results_with([]))), 0)
         small = rows_report.table_of_goals(self.results_with(["rows-small"]))
