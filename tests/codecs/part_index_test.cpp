@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "matrix/base/random.h"
+#include "tests/simd_here.h"
 
 namespace vismat {
 namespace {
@@ -16,15 +17,41 @@ constexpr auto as_is = [](Piece bytes) { return bytes; };
 
 void expect_reads_back(const std::vector<std::uint64_t>& starts, std::uint64_t payload_bytes) {
   const auto bytes = part_index_bytes(starts, payload_bytes);
-  const PartIndex index(bytes, payload_bytes, as_is);
-  index.check_whole();
-  ASSERT_EQ(index.parts(), starts.size());
-  EXPECT_EQ(index.model_bytes(as_is), starts.empty() ? payload_bytes : starts[0]);
-  for (std::uint64_t i = 0; i < starts.size(); ++i) {
-    const auto [begin, end] = index.part(i, as_is);
-    ASSERT_EQ(begin, starts[i]) << i << " of " << starts.size() << " in " << payload_bytes;
-    ASSERT_EQ(end, i + 1 < starts.size() ? starts[i + 1] : payload_bytes)
-        << i << " of " << starts.size() << " in " << payload_bytes;
+  for (const Simd simd : test::simd_here()) {
+    const PartIndex index(bytes, payload_bytes, as_is, simd);
+    index.check_whole();
+    ASSERT_EQ(index.parts(), starts.size());
+    EXPECT_EQ(index.model_bytes(as_is), starts.empty() ? payload_bytes : starts[0]);
+    for (std::uint64_t i = 0; i < starts.size(); ++i) {
+      const auto [begin, end] = index.part(i, as_is);
+      ASSERT_EQ(begin, starts[i]) << i << " of " << starts.size() << " in " << payload_bytes;
+      ASSERT_EQ(end, i + 1 < starts.size() ? starts[i + 1] : payload_bytes)
+          << i << " of " << starts.size() << " in " << payload_bytes;
+    }
+  }
+}
+
+// What part() reads it has announced: a byte that is read before its block's checksum may be damaged.
+TEST(PartIndex, AnnouncesAllThatItReads) {
+  std::vector<std::uint64_t> starts(2000);
+  Random random(4);
+  for (std::size_t i = 1; i < starts.size(); ++i) starts[i] = starts[i - 1] + random.below(300);
+  const std::uint64_t all = starts.back() + 7;
+  const auto bytes = part_index_bytes(starts, all);
+  for (const Simd simd : test::simd_here()) {
+    const PartIndex plain(bytes, all, as_is, simd);
+    for (std::uint64_t i = 0; i < starts.size(); i += 37) {
+      std::vector<Piece> announced;
+      plain.part(i, [&](Piece piece) { return announced.emplace_back(piece); });
+      std::vector<std::byte> other(bytes.size());
+      for (std::size_t b = 0; b < bytes.size(); ++b) other[b] = ~bytes[b];
+      for (std::size_t b = 0; b < std::min<std::size_t>(bytes.size(), 10); ++b) other[b] = bytes[b];
+      for (const Piece piece : announced)
+        std::ranges::copy(piece, other.begin() + (piece.data() - bytes.data()));
+      const auto [begin, end] = PartIndex(other, all, as_is, simd).part(i, as_is);
+      EXPECT_EQ(begin, starts[i]);
+      EXPECT_EQ(end, i + 1 < starts.size() ? starts[i + 1] : all);
+    }
   }
 }
 
