@@ -16,6 +16,8 @@
 #include "codecs/integer_codes/universal_codes.h"
 #include "codecs/rows/bitmap.h"
 #include "codecs/rows/elias_fano_rows.h"
+#include "codecs/rows/fast_bits.h"
+#include "codecs/rows/fast_ids.h"
 #include "codecs/rows/pairs.h"
 #include "codecs/rows/quake_rle.h"
 #include "codecs/tree/tree_coding.h"
@@ -59,6 +61,10 @@ constexpr std::array rows_alone = {
     pairs<AnsCode>("pair-ans", "gaps and runs, tANS, a table each for all rows"),
     row_codec<EliasFanoRows>("elias-fano", "ids, Elias-Fano", Origin::ours),
     panne(),
+    row_codec<FastIdRows>("rows-fast-ids", "gaps and runs as half bytes, bytes for the rarer ones",
+                          Origin::ours),
+    row_codec<FastBitRows>("rows-fast-bits", "bytes in which bits change, against what four rows share",
+                           Origin::ours),
 };
 
 }  // namespace

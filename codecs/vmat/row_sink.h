@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <string>
@@ -102,6 +103,15 @@ class RowPlace {
     left_ -= count;
     return static_cast<std::uint32_t>(first);
   }
+  // Whether a whole row of ones is not too many.
+  bool holds_any() const { return left_ >= columns_; }
+  // To column `place`, behind `count` more ones.
+  void jump(std::uint64_t count, std::uint64_t place) {
+    next_ = place;
+    if (count > left_) [[unlikely]]
+      refuse();
+    left_ -= count;
+  }
 
  private:
   [[noreturn]] void refuse() const {
@@ -116,6 +126,7 @@ class RowPlace {
 /// Each sink has
 ///   run(gap, count)  appends `gap` zeros behind the last one, then `count` >= 1 ones; both are below 2^33
 ///   id(column)       appends one more one, behind the last; FormatError unless it ascends
+///   runs(next)       run(gap, count) for as long as next(gap, count) sets both and returns true; the fastest way
 /// The content of an IdSink or a RunSink is in its buffer after finish().
 class IdSink : public RowPlace {
  public:
@@ -140,6 +151,42 @@ class IdSink : public RowPlace {
     if (at_ == end_) [[unlikely]]
       make_room(1);
     *at_++ = column;
+  }
+  // The place is kept in registers. Room for an id of each column is room enough, and it bounds what is counted at the
+  // end, so a run is looked at once.
+  template <typename Next>
+  [[gnu::always_inline]] void runs(const Next& next_run) {
+    using Eight [[gnu::vector_size(32)]] = std::uint32_t;
+    constexpr std::uint32_t at_once = 32;
+    std::uint32_t *at = at_, *end = end_;
+    const std::uint64_t columns = this->columns();
+    std::uint64_t place = next(), gap = 0, count = 0;
+    while (next_run(gap, count)) {
+      const std::uint64_t first = place + gap;
+      place = first + count;
+      if (place > columns || static_cast<std::size_t>(end - at) < count + at_once) [[unlikely]] {
+        jump(static_cast<std::uint64_t>(at - at_), first - gap);
+        at_ = at;
+        run(gap, count);
+        at = at_;
+        end = end_;
+        continue;
+      }
+      Eight ids = Eight{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::uint32_t>(first);
+      std::uint32_t* to = at;
+      at += count;
+      for (;;) {
+        for (std::uint32_t j = 0; j < at_once; j += 8) {
+          const Eight these = ids + j;
+          std::memcpy(to + j, &these, sizeof these);
+        }
+        to += at_once;
+        if (to >= at) break;
+        ids += at_once;
+      }
+    }
+    jump(static_cast<std::uint64_t>(at - at_), place);
+    at_ = at;
   }
   void finish() { buffer_.size_ = size(); }
 
@@ -174,6 +221,10 @@ class RunSink : public RowPlace {
     if (column < next()) throw FormatError("column " + std::to_string(column) + " does not ascend");
     run(column - next(), 1);
   }
+  template <typename Next>
+  void runs(const Next& next_run) {
+    for (std::uint64_t gap = 0, count = 0; next_run(gap, count);) run(gap, count);
+  }
   void finish() { buffer_.size_ = size_; }
 
  private:
@@ -203,6 +254,22 @@ class BitSink : public RowPlace {
     if (column < next()) throw FormatError("column " + std::to_string(column) + " does not ascend");
     pass(column - next(), 1);
     words_[column / 64] |= std::uint64_t{1} << (column % 64);
+  }
+  /// For decoders of whole words: write(words) gets all words of the row, which are zero, and sets its bits, none behind
+  /// the last column. Nothing may come before or after it.
+  template <typename Write>
+  void words(const Write& write) {
+    const std::span<std::uint64_t> all(words_, (std::size_t{columns()} + 63) / 64);
+    write(all);
+    if (holds_any()) [[likely]]
+      return;
+    std::uint64_t ones = 0;
+    for (const std::uint64_t word : all) ones += static_cast<std::uint64_t>(std::popcount(word));
+    jump(ones, columns());
+  }
+  template <typename Next>
+  void runs(const Next& next_run) {
+    for (std::uint64_t gap = 0, count = 0; next_run(gap, count);) run(gap, count);
   }
   void finish() {}
 

@@ -13,7 +13,7 @@ import unittest
 
 import h5py
 
-from vmat_reader import Clusters, File, Gotsman, delimiter_bytes, part_places, read_bands, read_groups, read_levels, read_names, read_order, read_tree
+from vmat_reader import Clusters, File, Gotsman, delimiter_bytes, part_places, read_bands, read_groups, read_levels, read_names, read_order, read_tree, rows_of
 
 SOURCE, VISMAT = pathlib.Path(sys.argv[1]), sys.argv[2]
 PAGE = (SOURCE / "docs/vmat.md").read_text()
@@ -87,6 +87,14 @@ class Format(unittest.TestCase):
         model, row = re.search(r"^A model and a row of 24 columns: `([0-9a-f]+)`\n`([0-9a-f]+)`", PAGE, re.M).groups()
         self.assertEqual(Clusters(bytes.fromhex(model), 24).row(bytes.fromhex(row)), [1, 3, 5, 6, 8, 20, 21, 22])
 
+    def test_the_pages_rows(self):
+        rows = [[c for c in range(300) if (c - 7 * r) % 60 < 13 or c == 37 * r] for r in range(9)]
+        rows[4], rows[6] = rows[3], []
+        vectors = re.findall(r"^\| `(rows-fast-ids|rows-fast-bits)` \| `([0-9a-f]+)` \| `([0-9a-f]+)` \|$", PAGE, re.M)
+        self.assertEqual([codec for codec, _, _ in vectors], ["rows-fast-ids", "rows-fast-bits"])
+        for codec, index, payload in vectors:
+            self.assertEqual(rows_of(codec, 9, 300, bytes.fromhex(index), bytes.fromhex(payload)), rows, codec)
+
     def test_what_the_program_writes(self):
         random.seed(1)
         rows = [sorted(random.sample(range(300), count)) for count in (0, 1, 5, 300, 150, 20, 3)] * 30
@@ -95,7 +103,7 @@ class Format(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
             (folder / "m.mtx").write_text(f"%%MatrixMarket matrix coordinate pattern general\n{len(rows)} 300 {len(lines)}\n" + "\n".join(lines) + "\n")
-            for codec in ("delimiter", "bitmap", "panne"):
+            for codec in ("delimiter", "bitmap", "panne", "rows-fast-ids", "rows-fast-bits"):
                 subprocess.run([VISMAT, "encode", folder / "m.mtx", "--codec", codec, "-o", folder / "m.vmat"], check=True, capture_output=True)
                 file = File((folder / "m.vmat").read_bytes())
                 for r, row in enumerate(rows):

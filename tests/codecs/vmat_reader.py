@@ -39,6 +39,8 @@ class File:
         return part_places(self.sections["index"], len(self.sections["payload"]))
 
     def row(self, row):
+        if self.codec in ("rows-fast-ids", "rows-fast-bits"):
+            return rows_of(self.codec, self.rows, self.columns, self.sections["index"], self.sections["payload"])[row]
         places = self.places()
         data = self.sections["payload"][places[row]:places[row + 1]]
         if self.codec == "bitmap" or len(data) == -(-self.columns // 8):  # the escape
@@ -103,6 +105,74 @@ class Bits:
 
     def finish(self):
         assert len(self.bits) - self.at < 8 and not any(self.bits[self.at:])
+
+
+def rows_of(codec, rows, columns, index, payload):
+    """All rows of codec rows-fast-ids or rows-fast-bits."""
+    places = part_places(index, len(payload))
+    parts = [payload[begin:end] for begin, end in zip(places, places[1:])]
+    model = Bytes(payload[:places[0]])
+    if codec == "rows-fast-bits":
+        return [row for part in parts for row in four_rows(Bytes(part), columns)][:rows]
+    gaps, lengths = ([(model.take(1)[0], model.varint()) for _ in range(model.take(1)[0])] for _ in range(2))
+    assert model.at == len(model.data)
+    found = []
+    for part in parts:
+        if part and len(part) == -(-columns // 8):  # the escape
+            found.append([column for column, bit in enumerate(bits_of(part)) if bit])
+        else:
+            found.append(fast_ids(part, gaps, lengths))
+    return found
+
+
+def fast_ids(data, gaps, lengths):
+    raw, token, column, ids = 0, len(data), -1, []
+    while raw != token:
+        assert raw < token
+        token -= 1
+        numbers = []
+        for count, base in (gaps[data[token] & 15], lengths[data[token] >> 4]):
+            numbers.append(base + int.from_bytes(data[raw:raw + count], "little"))
+            raw += count
+        column += numbers[0]
+        ids += range(column, column + numbers[1])
+        column += numbers[1]
+    return ids
+
+
+def four_rows(part, columns):
+    words = -(-columns // 64)
+
+    def changes(data):
+        if not data:
+            return set()
+        data, found = Bytes(data), set()
+        levels = bits_of(data.take(-(-words // 8)))
+        assert not any(levels[words:])
+        masks = [(word, data.take(1)[0]) for word, level in enumerate(levels) if level]
+        for word, mask in masks:
+            assert mask
+            for i in range(8):
+                if mask >> i & 1:
+                    found |= {64 * word + 8 * i + j for j, bit in enumerate(bits_of(data.take(1))) if bit}
+        assert data.at == len(data.data)
+        return found
+
+    leader, *rows = [part.take(size) for size in [part.varint() for _ in range(5)]]
+    assert part.at == len(part.data)
+    found = []
+    for row in rows:
+        if len(row) == -(-columns // 8):
+            found.append([column for column, bit in enumerate(bits_of(row)) if bit])
+            continue
+        both = changes(leader) ^ changes(row)
+        assert all(change < columns for change in both)
+        ids, parity = [], 0
+        for column in range(columns):
+            parity ^= column in both
+            ids += [column] * parity
+        found.append(ids)
+    return found
 
 
 def huffman_code(data, at, symbols):
