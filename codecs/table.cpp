@@ -15,6 +15,7 @@
 #include "codecs/integer_codes/rice.h"
 #include "codecs/integer_codes/universal_codes.h"
 #include "codecs/rows/bitmap.h"
+#include "codecs/rows/bv.h"
 #include "codecs/rows/elias_fano_rows.h"
 #include "codecs/rows/fast_bits.h"
 #include "codecs/rows/fast_ids.h"
@@ -61,6 +62,8 @@ constexpr std::array rows_alone = {
     pairs<AnsCode>("pair-ans", "gaps and runs, tANS, a table each for all rows"),
     row_codec<EliasFanoRows>("elias-fano", "ids, Elias-Fano", Origin::ours),
     panne(),
+    row_codec<BvRows>("bv", "a reference row, copy blocks, intervals, residual gaps in zeta code",
+                      Origin::paper),
     row_codec<FastIdRows>("rows-fast-ids", "gaps and runs as half bytes, bytes for the rarer ones",
                           Origin::ours),
     row_codec<FastBitRows>("rows-fast-bits", "bytes in which bits change, against what four rows share",

@@ -231,6 +231,7 @@ TEST(GoldenBytes, OfOurOwnFormats) {
   const std::map<std::string, std::pair<std::size_t, std::uint64_t>> golden = {
       {".vmat", {233, 942100846285646026u}},
       {"bitmap", {72, 86685243641351298u}},
+      {"bv", {49, 4599095778035380935u}},
       {"delimiter", {60, 15428225424264872396u}},
       {"elias-fano", {66, 10241265575966090890u}},
       {"gotsman1", {142, 14809188824877630091u}},

@@ -90,8 +90,8 @@ class Format(unittest.TestCase):
     def test_the_pages_rows(self):
         rows = [[c for c in range(300) if (c - 7 * r) % 60 < 13 or c == 37 * r] for r in range(9)]
         rows[4], rows[6] = rows[3], []
-        vectors = re.findall(r"^\| `(rows-fast-ids|rows-fast-bits)` \| `([0-9a-f]+)` \| `([0-9a-f]+)` \|$", PAGE, re.M)
-        self.assertEqual([codec for codec, _, _ in vectors], ["rows-fast-ids", "rows-fast-bits"])
+        vectors = re.findall(r"^\| `(bv|rows-fast-ids|rows-fast-bits)` \| `([0-9a-f]+)` \| `([0-9a-f]+)` \|$", PAGE, re.M)
+        self.assertEqual([codec for codec, _, _ in vectors], ["bv", "rows-fast-ids", "rows-fast-bits"])
         for codec, index, payload in vectors:
             self.assertEqual(rows_of(codec, 9, 300, bytes.fromhex(index), bytes.fromhex(payload)), rows, codec)
 
@@ -103,7 +103,7 @@ class Format(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
             (folder / "m.mtx").write_text(f"%%MatrixMarket matrix coordinate pattern general\n{len(rows)} 300 {len(lines)}\n" + "\n".join(lines) + "\n")
-            for codec in ("delimiter", "bitmap", "panne", "rows-fast-ids", "rows-fast-bits"):
+            for codec in ("delimiter", "bitmap", "panne", "bv", "rows-fast-ids", "rows-fast-bits"):
                 subprocess.run([VISMAT, "encode", folder / "m.mtx", "--codec", codec, "-o", folder / "m.vmat"], check=True, capture_output=True)
                 file = File((folder / "m.vmat").read_bytes())
                 for r, row in enumerate(rows):

@@ -39,7 +39,7 @@ class File:
         return part_places(self.sections["index"], len(self.sections["payload"]))
 
     def row(self, row):
-        if self.codec in ("rows-fast-ids", "rows-fast-bits"):
+        if self.codec in ("bv", "rows-fast-ids", "rows-fast-bits"):
             return rows_of(self.codec, self.rows, self.columns, self.sections["index"], self.sections["payload"])[row]
         places = self.places()
         data = self.sections["payload"][places[row]:places[row + 1]]
@@ -108,20 +108,23 @@ class Bits:
 
 
 def rows_of(codec, rows, columns, index, payload):
-    """All rows of codec rows-fast-ids or rows-fast-bits."""
+    """All rows of codec bv, rows-fast-ids or rows-fast-bits."""
     places = part_places(index, len(payload))
     parts = [payload[begin:end] for begin, end in zip(places, places[1:])]
     model = Bytes(payload[:places[0]])
     if codec == "rows-fast-bits":
         return [row for part in parts for row in four_rows(Bytes(part), columns)][:rows]
-    gaps, lengths = ([(model.take(1)[0], model.varint()) for _ in range(model.take(1)[0])] for _ in range(2))
+    if codec == "rows-fast-ids":
+        gaps, lengths = ([(model.take(1)[0], model.varint()) for _ in range(model.take(1)[0])] for _ in range(2))
     assert model.at == len(model.data)
     found = []
     for part in parts:
         if part and len(part) == -(-columns // 8):  # the escape
             found.append([column for column, bit in enumerate(bits_of(part)) if bit])
-        else:
+        elif codec == "rows-fast-ids":
             found.append(fast_ids(part, gaps, lengths))
+        else:
+            found.append(row_against_rows(part, found))
     return found
 
 
@@ -173,6 +176,58 @@ def four_rows(part, columns):
             ids += [column] * parity
         found.append(ids)
     return found
+
+
+def row_against_rows(data, rows):
+    """A row of codec bv, behind the rows before it."""
+    if not data:
+        return []
+    bits, x = Bits(data), len(rows)
+
+    def number(count):
+        return sum(bit << i for i, bit in enumerate(bits.take(count)))
+
+    def zeros():
+        count = 0
+        while bits.take(1) == [0]:
+            count += 1
+        return count
+
+    def g():
+        below = zeros()
+        return (1 << below) + number(below) - 1
+
+    def z():
+        h = zeros()
+        value = number(3 * h + 2)
+        return (value + 8**h if value < 8**h else 2 * value + number(1)) - 1
+
+    def s(n):
+        return n // 2 if n % 2 == 0 else -(n + 1) // 2
+
+    d, r = g(), zeros()
+    assert d and r <= 7
+    ids = []
+    if r:
+        reference, copied = rows[x - r], True
+        blocks = [g() + (b > 0) for b in range(g())]
+        assert sum(blocks) <= len(reference)
+        for block in blocks + [len(reference) - sum(blocks)]:
+            ids += reference[:block] if copied else []
+            reference, copied = reference[block:], not copied
+    if len(ids) < d:
+        end = None
+        for _ in range(g()):
+            begin = x + s(g()) if end is None else end + 1 + g()
+            end = begin + g() + 4
+            ids += range(begin, end)
+        last = None
+        while len(ids) < d:
+            last = x + s(z()) if last is None else last + 1 + z()
+            ids.append(last)
+    bits.finish()
+    assert len(ids) == len(set(ids)) == d
+    return sorted(ids)
 
 
 def huffman_code(data, at, symbols):
