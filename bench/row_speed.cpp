@@ -3,8 +3,9 @@
 // It times every row codec in each output form (ids, runs, bits), with warm and with cold caches. Rows come in shuffled order into one buffer, and every
 // row's content is checked within the timed loop (its sum against the row's). Warm: one file, read over and over. Cold:
 // copies of it, three times the last-level cache (at most 768 MB), so that a row comes from memory, its index too. The times are
-// the median and the spread of 7 repetitions. open/...: a file of 100 MB in the page cache is mapped, and asked for a row's place
-// in its index.
+// the median and the spread of 7 repetitions. Bytes per second are those of the bitmap, items are ids; of_quake_rle and
+// of_roaring are the codec's bytes to those of these codecs in the same order. open/...: a file of 100 MB in the page cache is
+// mapped, and asked for a row's place in its index.
 //
 // Without a matrix: 4096 differences over 100,000 columns, about as Chhugani et al. 2005 have them (0.5 % dense, 3 ones in a run,
 // 750 bytes).
@@ -115,9 +116,17 @@ struct Files {
   std::vector<std::vector<std::byte>> bytes;
   std::vector<RowReader> readers;
   std::vector<Visit> visits;
+  double of_quake_rle, of_roaring;  // the codec's bytes to theirs, in the same order
 
   Files(const Codec& codec, const VisibilityMatrix& matrix, bool cold) {
-    const auto file = write_container(compress(matrix, codec));
+    const Container container = compress(matrix, codec);
+    const auto ratio_to = [&](const char* other) {
+      return static_cast<double>(container.encoded.bytes()) /
+             static_cast<double>(find_codec(other).encode(matrix, {}, {}).bytes());
+    };
+    of_quake_rle = ratio_to("quake-rle");
+    of_roaring = ratio_to("roaring");
+    const auto file = write_container(container);
     bytes.assign(cold ? std::min<std::size_t>(4096, 1 + 3 * cache_bytes() / file.size()) : 1, file);
     RowBuffer<std::uint32_t> buffer;
     for (std::uint32_t c = 0; c < bytes.size(); ++c) {
@@ -165,6 +174,8 @@ void read_rows(benchmark::State& state, const Codec& codec, const VisibilityMatr
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(ids));
   state.SetBytesProcessed(static_cast<std::int64_t>(bytes));
+  state.counters["of_quake_rle"] = files.of_quake_rle;
+  state.counters["of_roaring"] = files.of_roaring;
 }
 
 // Rows of random bits, which every codec of ours with an escape stores as bitmaps; one row is empty, so that the file has an
