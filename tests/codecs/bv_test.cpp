@@ -137,6 +137,20 @@ TEST(Bv, ReadsRowsThroughTheirReferences) {
   EXPECT_EQ(most, 4u);
 }
 
+TEST(Bv, ReadsRowsOfAMillionColumns) {
+  constexpr std::uint32_t columns = 1 << 20;
+  Ids full(columns), most;
+  for (std::uint32_t c = 0; c < columns; ++c) {
+    full[c] = c;
+    if (c % 70000 > 3) most.push_back(c);
+  }
+  const auto matrix = VisibilityMatrix::from_rows(
+      {full, {}, most, {0, 65535, columns - 1}, full, most, {columns - 1}}, columns);
+  const Container container = compress(matrix, find_codec("bv"));
+  EXPECT_LT(container.encoded.bytes(), 400u);
+  EXPECT_EQ(decompress(container, find_codec("bv")), matrix);
+}
+
 // A chain of four references, a reference before row 0, and an interval that claims 2^32 columns.
 TEST(Bv, RefusesWhatNoEncoderMakes) {
   const auto refused = [](std::vector<std::vector<unsigned>> rows, std::uint32_t columns) {
