@@ -130,8 +130,10 @@ Subject subject_of(const std::filesystem::path& file, Dataset data, const std::s
   return s;
 }
 
-// Prepared for the codec, then put in the order; where columns are nodes, only the rows are.
+// Prepared for the codec, then put in the order; where columns are nodes, only the rows are. A codec that wants equal rows once
+// and has its own order of rows gets both.
 Dataset prepared(const Subject& s, const Codec& codec) {
+  if (codec.needs.distinct) return prepared_for(codec, s.data, {.orders = s.order == "best"});
   Dataset data = prepared_for(codec, s.data, {.orders = false});
   if (codec.needs.tree != TreeOver::columns) return reordered(std::move(data), s.rows, s.columns);
   const Permutation as_is = Permutation::identity(data.matrix.shape().columns);

@@ -89,9 +89,12 @@ void add_encode(Program& program) {
   verb.input("MATRIX", options->in, "The matrix file to read (.bsp.h5, .mtx, .npy or .npz)").required();
   verb.output(options->out, Written::vmat, "The .vmat file to write");
   verb.option("--codec", options->codec, "One of " + codec_names());
-  verb.option("--rows", options->order,
-              "zach3 and zach4 reorder the rows by the greedy method, even if the file was ordered before; "
-              "natural keeps the order of the file, as every other codec does")
+  verb.option(
+          "--rows", options->order,
+          "zach3 and zach4 reorder the rows by the greedy method, even if the file was ordered before, and "
+          "rows-small and rows-quick rows and columns for their own ends; natural keeps the order of the "
+          "file, as every "
+          "other codec does")
       .one_of({"greedy", "natural"});
   verb.option("--seconds", options->encode.seconds,
               "Time that codecs which search (panne) spend; the result then depends on the machine. 0: until "

@@ -14,6 +14,7 @@
 #include "matrix/base/parallel.h"
 #include "matrix/box.h"
 #include "matrix/object_tree.h"
+#include "matrix/permutation.h"
 #include "matrix/source_map.h"
 #include "matrix/visibility_matrix.h"
 
@@ -99,6 +100,9 @@ struct Codec {
   /// Row codecs, and tree codecs over rows: opens the payload for reading single rows. Otherwise null. Copies what it
   /// needs of the parts; the bytes and the side are borrowed. Throws FormatError as decode() does.
   std::unique_ptr<const RowSource> (*open)(Parts, Shape, const Side&) = nullptr;
+  /// The order of rows that suits the codec best, for the order of columns that the matrix has. Null: any, or what
+  /// `needs` names. Uses threads.
+  Permutation (*row_order)(const VisibilityMatrix&, const EncodeOptions&) = nullptr;
   /// Tree codecs: how the codec codes a node (tree_coding.h). Otherwise null.
   std::unique_ptr<NodeCoder> (*node_coder)() = nullptr;
 

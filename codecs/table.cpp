@@ -14,6 +14,7 @@
 #include "codecs/integer_codes/pair_huffman.h"
 #include "codecs/integer_codes/rice.h"
 #include "codecs/integer_codes/universal_codes.h"
+#include "codecs/modelled/modelled_rows.h"
 #include "codecs/rows/bitmap.h"
 #include "codecs/rows/bv.h"
 #include "codecs/rows/elias_fano_rows.h"
@@ -75,6 +76,8 @@ constexpr std::array rows_alone = {
 std::span<const Codec> own_codecs() {
   static const std::vector<Codec> table = [] {
     std::vector<Codec> codecs(rows_alone.begin(), rows_alone.end());
+    const auto modelled = modelled_codecs();
+    codecs.insert(codecs.end(), modelled.begin(), modelled.end());
     for (const auto more : {zach_codecs(), gotsman_codecs()})
       codecs.insert(codecs.end(), more.begin(), more.end());
     return codecs;

@@ -70,6 +70,9 @@ Dataset prepared_for(const Codec& codec, Dataset data, const PrepareOptions& opt
     by_columns = best_order(data.matrix, {.stages = options.stages});
   if (needs.shared_order && rows == columns && data.source.boundaries.empty())
     by_rows = by_columns;
+  else if (codec.row_order != nullptr && data.source.boundaries.empty())
+    by_rows = codec.row_order(permute(data.matrix, by_rows, by_columns),
+                              {.progress = begin_stage(options.stages, "ordering rows")});
   else if (needs.row_order)  // differences lose their boundaries by it; who wants these asks for no orders
     by_rows = order_rows_greedily(data.matrix, begin_stage(options.stages, "ordering rows"));
   return reordered(std::move(data), by_rows, by_columns);

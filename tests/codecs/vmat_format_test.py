@@ -13,7 +13,7 @@ import unittest
 
 import h5py
 
-from vmat_reader import Clusters, File, Gotsman, delimiter_bytes, part_places, read_bands, read_groups, read_levels, read_names, read_order, read_tree, rows_of
+from vmat_reader import Clusters, File, Gotsman, ModelledRows, delimiter_bytes, part_places, read_bands, read_groups, read_levels, read_names, read_order, read_tree, row_tables, rows_of
 
 SOURCE, VISMAT = pathlib.Path(sys.argv[1]), sys.argv[2]
 PAGE = (SOURCE / "docs/vmat.md").read_text()
@@ -123,6 +123,38 @@ class Format(unittest.TestCase):
             children = [(2 * i + 1, 2 * i + 2) if i < n - 1 else () for i in range(2 * n - 1)]
             read = Gotsman(codec, columns, children, range(1 - n, n), bytes.fromhex(index), bytes.fromhex(payload))
             self.assertEqual([read.rows[r] for r in range(n)], rows, f"{codec}, {matrix}")
+
+    def test_the_pages_modelled_rows(self):
+        vectors = re.findall(r"^\| `(rows-[^`]*)` \| ([0-9 ]+) \| `([0-9a-f]+)` \| `([0-9a-f]+)` \|$", PAGE, re.M)
+        self.assertEqual(len(vectors), 3)
+        tables = row_tables((SOURCE / "codecs/modelled/row_tables.cpp").read_text())
+        for codec, order, index, payload in vectors:
+            rows = [[c for c in range(40) if (7 * c + 3 * r) % 40 < 12 + r % 3] for r in map(int, order.split())]
+            self.assertEqual(ModelledRows(len(rows), 40, bytes.fromhex(index), bytes.fromhex(payload), tables).rows, rows, codec)
+
+    def test_modelled_rows_that_the_program_writes(self):
+        random.seed(4)
+        tables = row_tables((SOURCE / "codecs/modelled/row_tables.cpp").read_text())
+        seen, rows = set(range(30, 150)), []
+        for r in range(200):
+            for _ in range(3):
+                start = random.randrange(290)
+                seen ^= set(range(start, min(300, start + random.randrange(1, 40))))
+            rows.append(sorted(seen) if r % 40 else sorted(random.sample(range(300), 150)))
+        lines = [f"{r + 1} {c + 1}" for r, row in enumerate(rows) for c in row]
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            (folder / "m.mtx").write_text(f"%%MatrixMarket matrix coordinate pattern general\n{len(rows)} 300 {len(lines)}\n" + "\n".join(lines) + "\n")
+            for codec in ("rows-small", "rows-quick"):
+                subprocess.run([VISMAT, "encode", folder / "m.mtx", "--codec", codec, "-o", folder / "m.vmat"], check=True, capture_output=True)
+                file = File((folder / "m.vmat").read_bytes())
+                read = ModelledRows(file.rows, file.columns, file.sections["index"], file.sections["payload"], tables).rows
+                self.assertGreater(file.sections["payload"][0], 0)  # rows that readers keep
+                self.assertEqual(sum(map(len, read)), file.ones, codec)
+                for r in (0, 1, 77, file.rows - 1):
+                    for numbers, expected in (["--as-stored"], read[r]), ([], rows[r]):
+                        said = subprocess.run([VISMAT, "row", folder / "m.vmat", str(r), *numbers], check=True, capture_output=True, text=True).stdout
+                        self.assertEqual(list(map(int, said.split())), expected, f"{codec}, row {r} {numbers}")
 
     def test_what_the_program_writes_over_a_tree_of_rows(self):
         random.seed(2)

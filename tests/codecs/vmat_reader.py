@@ -1,4 +1,5 @@
 """A reader of .vmat files after docs/vmat.md alone, as someone would write it in another language: it knows nothing of our code."""
+import re
 import struct
 import zlib
 
@@ -656,3 +657,181 @@ class Gotsman:
             trits.append(3 if bit(self.trees[0]) else 2 if bit(self.trees[1]) else 1)
             of_column[p] = trits[-1]
         return [p for p in a if of_column[p] & 1], [p for p in a if of_column[p] & 2]
+
+
+class Stream:
+    """Decisions, choices and numbers of modelled rows, under the weights and chances of row_tables.cpp."""
+
+    def __init__(self, data, tables):
+        self.weights, self.chances = tables
+        self.data, self.at, self.range, self.code = data, 0, 2**64 - 1, 0
+        for _ in range(2):
+            self.more()
+
+    def more(self):
+        self.code = self.code << 32 | int.from_bytes((self.data[self.at:] + bytes(4))[:4], "big")
+        self.at += 4
+
+    def narrow(self, start, size):
+        self.code -= start
+        self.range = size
+        while self.range < 2**32:
+            self.range <<= 32
+            self.more()
+
+    def decision(self, *places):
+        total = sum(self.weights[place] for place in places)
+        u = self.chances[min(abs(total), 160)]
+        bound = (self.range >> 16) * (u if total >= 0 else 2**16 - u)
+        bit = self.code < bound
+        self.narrow(*((0, bound) if bit else (bound, self.range - bound)))
+        return int(bit)
+
+    def choice(self, n):
+        unit = self.range // n
+        value = self.code // unit
+        assert value < n
+        self.narrow(unit * value, unit)
+        return value
+
+    def number(self, kind, most):
+        t, e = most.bit_length() - 1, 0
+        while e < t and self.decision(4304 + 256 * kind + 16 * min(t, 15) + min(e, 15)):
+            e += 1
+        if e == 0:
+            return 1
+        low, middle, high = 2**e, 3 * 2**(e - 1), most if e == t else 2**(e + 1) - 1
+        if high < middle:
+            return low + self.choice(high - low + 1)
+        if self.decision(6864 + 16 * kind + min(e, 15)):
+            return middle + self.choice(high - middle + 1)
+        return low + self.choice(middle - low)
+
+
+class ModelledRows:
+    """All rows of a payload of rows-small or rows-quick."""
+
+    def __init__(self, rows, columns, index, payload, tables):
+        self.columns = columns
+        places = part_places(index, len(payload))
+        model = Bytes(payload[:places[0]])
+        kept = model.varint()
+        stream = Stream(payload[model.at:places[0]], tables)
+        groups, last, first = [], 0, kept  # of each its first row, its size, its reference's number, the group that this is in
+        for i in range(len(places) - 1):
+            size = stream.number(6, min(16, rows - first))
+            if i == 0 or stream.decision(7042):
+                last = (last + stream.number(8, kept + 1) - 1) % (kept + 1)
+                groups.append((first, size, last, None))
+            else:
+                above, tried = i - 1, 0
+                while above is not None and tried < 8 and stream.decision(7043 + tried):
+                    above, tried = groups[above][3], tried + 1
+                if above is None or tried == 8:
+                    above = i - stream.number(9, i)
+                groups.append((first, size, groups[above][0] + stream.number(7, groups[above][1]), above))
+            first += size
+        assert first == rows
+        self.seen, self.reference = [[0] * columns], [0]  # by number
+        for r in range(kept):
+            self.read(stream, r + 1 - stream.number(9, r + 1))
+        for (first, size, outside, _), begin, end in zip(groups, places, places[1:]):
+            stream = Stream(payload[begin:end], tables)
+            for place in range(size):
+                reference = outside
+                if place > 0:
+                    back = next((i for i in range(place) if not stream.decision(7025 + i)), None)
+                    if back is not None:
+                        reference = first + place - back
+                    elif stream.decision(7041):
+                        reference = stream.choice(kept + 1)
+                self.read(stream, reference)
+        self.rows = [[column for column, bit in enumerate(row) if bit] for row in self.seen[1:]]
+
+    def read(self, stream, reference):
+        self.seen.append(self.bitmap(stream) if stream.decision(7024) else self.row(stream, reference))
+        self.reference.append(reference)
+
+    def bitmap(self, stream):
+        bits = []
+        for column in range(0, self.columns, 16):
+            count = min(16, self.columns - column)
+            value = stream.choice(2**count)
+            bits += [value >> i & 1 for i in range(count)]
+        return bits
+
+    def row(self, stream, reference):
+        seen_a, seen_b = self.seen[reference], self.seen[self.reference[reference]]
+        ends_a, ends_b = ({column for column in range(self.columns) if row[column] != (row[column - 1] if column else 0)}
+                          for row in (seen_a, seen_b))
+        row = list(seen_a)
+        starts = sorted({0} | ends_a | ends_b) + [self.columns]
+
+        def class_of(n):
+            return min(7, (n - 1).bit_length())
+
+        def g(v):
+            return 2 * v.bit_length() + (v > 1 and v >> (v.bit_length() - 2) & 1)
+
+        left = stream.number(5, len(ends_a) + len(ends_b) + 2) - 1
+        history = activity = f = segment = 0
+        c_before = 7
+        while left:
+            begin, end = starts[segment], starts[segment + 1]
+            segment += 1
+            n, a = end - begin, seen_a[begin]
+            d, c = a ^ seen_b[begin], class_of(n)
+            behind_a, behind_b = end == self.columns or end in ends_a, end == self.columns or end in ends_b
+            z = 1 + sum(column > begin for column in ends_a) + sum(column > begin for column in ends_b)
+            r = min(15, max(0, g(z) - g(left)))
+            s, e = a + 2 * d + 4 * (begin in ends_a) + 8 * (begin in ends_b) + 16 * f, behind_a + 2 * behind_b
+            changed = stream.decision(s + 32 * behind_a + 64 * behind_b + 128 * c,
+                                      1024 + (history & 15) + 16 * min(activity // 16, 7) + 128 * c,
+                                      2048 + c + 8 * c_before + 64 * d + 128 * f + 256 * a,
+                                      2560 + r + 16 * (min(left, 8) - 1) + 128 * c)
+            history = 2 * history + changed
+            activity += 16 * changed - activity // 8
+            c_before = c
+            left -= changed
+
+            def flip(first, count):
+                row[first:first + count] = [1 - a] * count
+
+            f = 0
+            if not changed:
+                continue
+            if n == 1 or stream.decision(3584 + s + 32 * c, 3840 + (history & 15) + 16 * e):
+                flip(begin, n)
+                f = 1
+                continue
+            at = begin
+            if stream.decision(3904 + s + 32 * c):
+                count = stream.number(0, n - 1)
+                flip(at, count)
+                at += count
+                if end - at < 2 or not stream.decision(4296 + class_of(end - at)):
+                    continue
+            while True:
+                m = end - at
+                if m == 2 or stream.decision(4160 + class_of(m) + 8 * e + 32 * d):
+                    count = stream.number(1, m - 1)
+                    flip(end - count, count)
+                    f = 1
+                    break
+                if m == 3 or stream.decision(4288 + class_of(m)):
+                    count = stream.number(2, m - 2)
+                    flip(at + 1 + stream.choice(m - 1 - count), count)
+                    break
+                at += stream.number(3, m - 3)
+                count = stream.number(4, end - at - 2)
+                flip(at, count)
+                at += count
+        return row
+
+
+def row_tables(source):
+    """The two lists of numbers in the text of row_tables.cpp."""
+    lists = re.findall(r"= \{\n([-0-9,\n]+)\};", source)
+    weights, chances = ([int(number) for number in numbers.replace("\n", "").split(",") if number] for numbers in lists)
+    assert (len(weights), len(chances)) == (7051, 161)
+    return weights, chances

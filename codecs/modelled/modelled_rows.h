@@ -1,0 +1,38 @@
+// rows-small and rows-quick: each row is coded under a similar one and that one's own reference, with probabilities that
+// are the same for all files. Any row is read alone: the chain of rows that it takes is bounded by the encoder.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "codecs/codec.h"
+#include "codecs/modelled/row_model.h"
+#include "matrix/permutation.h"
+
+namespace vismat {
+
+/// How far an encoder may go. The format is the same for all limits.
+struct RowLimits {
+  double microseconds;                       // of decoding any row, modelled
+  std::uint32_t group;                       // rows in a part, at most ModelledRowFormat::largest_group
+  std::uint32_t kept;                        // rows that readers decode at once and keep, at most
+  const RowWeights* weights = &row_weights;  // only training has others
+};
+inline constexpr RowLimits small_limits{60, 16, 64};
+inline constexpr RowLimits quick_limits{20, 8, 64};
+
+struct ModelledRowFormat {
+  static constexpr std::uint32_t largest_group = 16;  // rows in a part
+  static constexpr std::uint32_t most_kept = 255;
+  static constexpr std::uint32_t longest_chain = 256;  // parts that a row may take
+  static constexpr std::uint32_t steps = 8;  // groups that a group is looked for under, before any is named
+  /// Fewer rows than this need no bytes that back them.
+  static constexpr std::uint64_t free_rows = std::uint64_t{1} << 22;
+};
+
+/// The rows as they stand, within the limits. Best in the order of order_for_references() (row_references.h).
+Encoded encode_modelled_rows(const VisibilityMatrix& matrix, const RowLimits& limits, unsigned threads);
+
+/// rows-small and rows-quick.
+std::vector<Codec> modelled_codecs();
+
+}  // namespace vismat

@@ -1,0 +1,62 @@
+// What rows cost, in bits: for encoders that choose under which row to code another.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "codecs/modelled/row_model.h"
+#include "matrix/visibility_matrix.h"
+
+namespace vismat {
+
+/// The run ends of all rows of a matrix. Row number `rows` is an empty one.
+class RowEnds {
+ public:
+  explicit RowEnds(const VisibilityMatrix& matrix);
+  std::uint32_t rows() const { return static_cast<std::uint32_t>(begin_.size() - 2); }
+  std::uint32_t columns() const { return columns_; }
+  Ends operator[](std::uint32_t row) const {
+    return {ends_.data() + begin_[row],
+            static_cast<std::uint32_t>(begin_[row + 1] - begin_[row]) - Ends::sentinels};
+  }
+
+ private:
+  std::uint32_t columns_;
+  std::vector<std::uint64_t> begin_;
+  std::vector<std::uint32_t> ends_;
+};
+
+/// Bits are counted in units of 1/1024.
+inline constexpr std::uint64_t bit_unit = 1024;
+
+/// A coder that only adds up what its decisions cost. Deterministic.
+class BitCounter {
+ public:
+  static constexpr bool reads = false;
+  explicit BitCounter(const RowWeights& weights) : weights_(weights) {}
+  template <typename... Place>
+  bool decide(bool bit, Place... places) {
+    units_ += of_decision(bit, (weights_[places] + ...));
+    return bit;
+  }
+  std::uint32_t even(std::uint32_t count, std::uint32_t value) {
+    units_ += of_even(count);
+    return value;
+  }
+  std::uint64_t units() const { return units_; }
+
+ private:
+  static std::uint64_t of_decision(bool bit, int sum);
+  static std::uint64_t of_even(std::uint32_t count);
+  const RowWeights& weights_;
+  std::uint64_t units_ = 0;
+};
+
+struct RowCost {
+  std::uint64_t units;  // bits, in units of 1/1024
+  double microseconds;  // of decoding, modelled
+  bool raw;             // it is stored as its bitmap
+};
+/// The cost of a row under references a and b. O(run ends of the three).
+RowCost cost_of_row(Ends a, Ends b, Ends row, std::uint32_t columns, const RowWeights& weights = row_weights);
+
+}  // namespace vismat

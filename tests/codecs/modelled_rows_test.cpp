@@ -1,0 +1,191 @@
+// rows-small and rows-quick: what the tests of every codec do not try.
+#include "codecs/modelled/modelled_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include "codecs/modelled/binary_coder.h"
+#include "codecs/modelled/row_encoder.h"
+#include "codecs/modelled/row_references.h"
+#include "codecs/rows/row_codec.h"
+#include "codecs/vmat/container.h"
+#include "codecs/vmat/row_reader.h"
+#include "tests/codecs/matrices.h"
+#include "tests/sanitized.h"
+#include "tests/table_name.h"
+
+namespace vismat {
+namespace {
+
+VisibilityMatrix in_best_order(const VisibilityMatrix& matrix, const RowLimits& limits,
+                               unsigned threads = 0) {
+  return permute(matrix, order_for_references(matrix, limits, threads),
+                 Permutation::identity(matrix.shape().columns));
+}
+
+// View cells on a line that see a stretch of it, each its own, so that no two rows are equal and near ones are alike.
+VisibilityMatrix cells_on_a_line(std::uint32_t rows, std::uint32_t columns, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<std::vector<std::uint32_t>> lists(rows);
+  std::vector<bool> seen(columns);
+  for (auto& list : lists) {
+    for (int change = 0; change < 3; ++change) {
+      const std::uint32_t from = random.below(columns), length = 1 + random.below(30);
+      const bool value = random.below(2) == 0;
+      for (std::uint32_t c = from; c < std::min(columns, from + length); ++c) seen[c] = value;
+    }
+    for (std::uint32_t c = 0; c < columns; ++c) {
+      if (seen[c]) list.push_back(c);
+    }
+  }
+  return VisibilityMatrix::from_rows(lists, columns);
+}
+
+class ModelledRows : public testing::TestWithParam<Codec> {};
+
+TEST_P(ModelledRows, ReadsRowsInAnyOrderWithOneBuffer) {
+  const auto matrix = cells_on_a_line(test::trials(500u), 600, 1);
+  const auto ordered = permute(matrix, GetParam().row_order(matrix, {}), Permutation::identity(600));
+  const std::uint32_t rows = matrix.shape().rows;
+  for (const auto* m : {&matrix, &ordered}) {
+    const auto file = write_container(compress(*m, GetParam()));
+    const RowReader reader(file, std::span(&GetParam(), 1));
+    RowBuffer<std::uint32_t> buffer;
+    Random random(2);
+    std::uint32_t row = 0;
+    for (std::uint32_t i = 0; i < 20 * rows; ++i) {
+      // Runs of rows that follow one another, either way, and jumps.
+      row = i % 50 == 0 ? random.below(rows) : (row + (i % 100 < 70 ? 1 : rows - 1)) % rows;
+      ASSERT_TRUE(std::ranges::equal(reader.ids(row, buffer), m->row(row))) << row;
+    }
+  }
+}
+
+TEST_P(ModelledRows, TakeAtMostSixteenBytesMoreThanTheBitmapForARow) {
+  std::vector<VisibilityMatrix> matrices;
+  for (const std::uint32_t columns : {1u, 2u, 3u, 15u, 16u, 17u, 63u, 64u, 65u, 1000u}) {
+    for (const double density : {.02, .5, 2.})
+      matrices.push_back(test::random_matrix({20, columns}, density, columns));
+    std::vector<std::vector<std::uint32_t>> combs(20);  // each column another value than the one before
+    for (std::uint32_t r = 0; r < 20; ++r) {
+      for (std::uint32_t c = r % 2; c < columns; c += 2 + r / 8) combs[r].push_back(c);
+    }
+    matrices.push_back(VisibilityMatrix::from_rows(combs, columns));
+  }
+  matrices.push_back(test::random_matrix({2, 1u << 20}, .5, 7));
+  std::vector<std::vector<std::uint32_t>> wide(6);
+  for (std::uint32_t c = 0; c < 1u << 20; ++c) wide[c % 5].push_back(c);
+  wide[5] = {0, (1u << 20) - 1};
+  matrices.push_back(VisibilityMatrix::from_rows(wide, 1u << 20));
+  for (const VisibilityMatrix& matrix : matrices) {
+    const auto [rows, columns] = matrix.shape();
+    const Encoded encoded = GetParam().encode(matrix, {}, {});
+    EXPECT_LE(encoded.bytes(), rows * (row_bytes_of(columns) + 16)) << columns << " columns";
+    EXPECT_TRUE(decode(GetParam(), encoded, matrix.shape()) == matrix) << columns << " columns";
+  }
+}
+
+// Were its own order not found again, the second plan would have to do with earlier rows, and take more bytes.
+TEST_P(ModelledRows, FindTheirOrderAgain) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto matrix = cells_on_a_line(300, 400, seed);
+    const auto ordered = permute(matrix, GetParam().row_order(matrix, {}), Permutation::identity(400));
+    EXPECT_TRUE(GetParam().row_order(ordered, {}).is_identity());
+    EXPECT_LT(GetParam().encode(ordered, {}, {}).bytes(), GetParam().encode(matrix, {}, {}).bytes());
+  }
+}
+
+TEST_P(ModelledRows, AreTheSameForAnyNumberOfThreads) {
+  const auto matrix = cells_on_a_line(200, 300, 4);
+  EncodeOptions one, three;
+  one.threads = 1;
+  three.threads = 3;
+  EXPECT_EQ(GetParam().row_order(matrix, one), GetParam().row_order(matrix, three));
+  EXPECT_EQ(GetParam().encode(matrix, {}, one), GetParam().encode(matrix, {}, three));
+}
+
+TEST_P(ModelledRows, RefuseRowsThatNoBytesBack) {
+  const Encoded hostile{{}, {std::byte{0}}};
+  EXPECT_THROW(decode(GetParam(), hostile, {0xffffffff, 1}), FormatError);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, ModelledRows, testing::ValuesIn(modelled_codecs()), test::table_name);
+
+// The time of each row with all that it takes, as the plan's own model has it.
+double longest_chain(const VisibilityMatrix& matrix, const RowLimits& limits) {
+  const RowEnds ends(matrix);
+  const RowPlan plan = plan_rows(matrix, ends, limits, 0);
+  const auto ends_of = [&](std::uint32_t row) { return ends[std::min(row, ends.rows())]; };
+  std::vector<double> times(ends.rows());
+  double longest = 0;
+  std::uint32_t row = plan.kept;
+  for (const std::uint32_t size : plan.group_sizes) {
+    const std::uint32_t outside = plan.reference[row];
+    double time = outside == no_row ? 0 : times[outside];
+    for (const std::uint32_t end = row + size; row < end; ++row) {
+      const std::uint32_t a = plan.reference[row], b = a == no_row ? no_row : plan.reference[a];
+      time += cost_of_row(ends_of(a), ends_of(b), ends_of(row), ends.columns()).microseconds;
+      times[row] = time;
+      longest = std::max(longest, time);
+    }
+  }
+  return longest;
+}
+
+TEST(RowPlan, BoundsTheTimeOfARow) {
+  const auto matrix = cells_on_a_line(600, 400, 5);
+  const RowLimits unbounded{1e9, 16, 16}, bounded{8, 8, 16};
+  EXPECT_GT(longest_chain(in_best_order(matrix, unbounded), unbounded), 3 * bounded.microseconds);
+  EXPECT_LE(longest_chain(in_best_order(matrix, bounded), bounded), 1.5 * bounded.microseconds);
+  EXPECT_LE(longest_chain(matrix, bounded), bounded.microseconds);  // rows as they stand
+}
+
+TEST(BinaryCoder, ReadsWhatItWrote) {
+  Random random(6);
+  for (int length = 0; length < 300; ++length) {
+    std::vector<std::uint32_t> chances, values;
+    std::vector<std::byte> bytes;
+    BinaryWriter writer(bytes);
+    for (int i = 0; i < length; ++i) {
+      const bool bit = random.below(3) != 0;
+      chances.push_back(random.below(4) == 0 ? 1 + random.below(3) : 1 + random.below(65535));
+      values.push_back(bit ? random.below(2) : random.below(chances.back()));
+      if (bit)
+        writer.put_bit(values.back() != 0, chances.back());
+      else
+        writer.put_even(chances.back(), values.back());
+      chances.push_back(bit);
+    }
+    writer.finish();
+    const auto read = [&](std::span<const std::byte> from) {
+      BinaryReader reader(from);
+      bool right = true;
+      for (std::size_t i = 0; i < values.size(); ++i)
+        right &=
+            values[i] == (chances[2 * i + 1] != 0 ? reader.bit(chances[2 * i]) : reader.even(chances[2 * i]));
+      reader.finish();
+      return right;
+    };
+    EXPECT_TRUE(read(bytes));
+    const auto refused = [&](const std::vector<std::byte>& other) {
+      try {
+        return !read(other);
+      } catch (const FormatError&) {
+        return true;
+      }
+    };
+    auto more = bytes;
+    more.push_back(std::byte{0});
+    EXPECT_TRUE(refused(more));
+    more.back() = std::byte{1};
+    EXPECT_TRUE(refused(more));
+    if (bytes.empty()) continue;
+    EXPECT_TRUE(refused({bytes.begin(), bytes.end() - 1}));
+  }
+}
+
+}  // namespace
+}  // namespace vismat
