@@ -36,6 +36,8 @@ constexpr Entry entries[] = {
     {"Codecs", "row-speed", "Speed of reading single rows from a .vmat file", add_row_speed},
     {"Codecs", "delimiter-speed", "Speed of the delimiter code's decoder and encoder", add_delimiter_speed},
     {"Codecs", "speed", "Speed of every codec and order on one matrix", add_speed},
+    {"Codecs", "train-rows", "Trains the probabilities of rows-small and rows-quick on many matrices",
+     add_train_rows},
     {"Walks", "disk-walk", "Disk reads on a walk through levels, by the order of the faces on the disk",
      add_disk_walk},
     {"Walks", "walk-deltas",
