@@ -69,17 +69,17 @@ Distances scan(const BitRows& columns, std::uint32_t query, std::uint32_t k) {
   return nearest;
 }
 
-struct Measured {
+struct RecallMeasured {
   double recall = 1, us_per_query = 0, build_seconds = 0;
 };
 
 using Hamming = flann::Hamming<unsigned char>;
 
-Measured measure(BitRows& columns, const std::vector<Distances>& truth,
-                 const flann::IndexParams& index_options, int checks, std::uint32_t k) {
+RecallMeasured measure(BitRows& columns, const std::vector<Distances>& truth,
+                       const flann::IndexParams& index_options, int checks, std::uint32_t k) {
   flann::Matrix<unsigned char> points(reinterpret_cast<unsigned char*>(columns.row(0).data()),
                                       columns.shape().rows, columns.words_per_row() * 8);
-  Measured result;
+  RecallMeasured result;
   double start = processor_seconds();
   flann::Index<Hamming> index(points, index_options);
   index.buildIndex();
@@ -122,7 +122,7 @@ void run_flann_recall(const FlannRecallOptions& options) {
     for (const double density : options.densities) {
       BitRows columns = clustered_columns(rows, density, options);
       const std::uint32_t count = columns.shape().rows, k = std::min(options.k, count - 1);
-      const auto report = [&](const char* name, const Measured& m) {
+      const auto report = [&](const char* name, const RecallMeasured& m) {
         std::printf("%-14s %6u %8g %8u %4u %8.4f %12.1f %9.3f\n", name, rows, density, count, k, m.recall,
                     m.us_per_query, m.build_seconds);
         std::fflush(stdout);

@@ -36,7 +36,7 @@ struct OrderScaleOptions {
 };
 
 // What a child reports; all plain numbers, as it comes through a pipe.
-struct Measured {
+struct ScaleMeasured {
   std::uint32_t rows, columns;
   std::uint64_t ones, runs, two_nearest, held_karp, peak_bytes;
   double order_seconds, order_cpu_seconds, two_nearest_seconds, held_karp_seconds;
@@ -49,9 +49,9 @@ DeltaSceneOptions scene_of(const OrderScaleOptions& options, double scale) {
   return scene;
 }
 
-Measured measure(const OrderScaleOptions& options, double scale, const std::string& method) {
+ScaleMeasured measure(const OrderScaleOptions& options, double scale, const std::string& method) {
   const VisibilityMatrix matrix = generate_delta_scene(scene_of(options, scale), options.threads);
-  Measured m{matrix.shape().rows, matrix.shape().columns, matrix.ones(), 0, 0, 0, 0, 0, 0, 0, 0};
+  ScaleMeasured m{matrix.shape().rows, matrix.shape().columns, matrix.ones(), 0, 0, 0, 0, 0, 0, 0, 0};
   const double start = wall_seconds(), cpu_start = processor_seconds();
   if (method == "scale-tour") {
     const SparsePoints points(matrix);
@@ -107,8 +107,8 @@ void run_order_scale(const OrderScaleOptions& options) {
     for (const std::string method : {"random", "sampled-tour", "scale-tour"}) {
       if (method != "random" && std::count(options.methods.begin(), options.methods.end(), method) == 0)
         continue;
-      const Measured m =
-          apart<Measured>([&] { return std::vector{measure(options, scale, method)}; }).front();
+      const ScaleMeasured m =
+          apart<ScaleMeasured>([&] { return std::vector{measure(options, scale, method)}; }).front();
       const auto peak = static_cast<double>(m.peak_bytes);
       const auto runs = static_cast<double>(m.runs), ones = static_cast<double>(m.ones);
       if (method == "random") random_runs = runs;

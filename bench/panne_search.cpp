@@ -32,7 +32,7 @@ struct PanneSearchOptions {
 };
 
 // A table as it is after so many seconds of search.
-struct Measured {
+struct SearchPoint {
   double seconds, processor_seconds;
   std::uint64_t bytes, priced_bytes, symbols;
   std::uint32_t clusters, rows, columns;
@@ -40,8 +40,8 @@ struct Measured {
 };
 
 // Points about 1.15 times as many seconds apart; what they take, to encode and count, is no part of their time.
-std::vector<Measured> search(const VisibilityMatrix& matrix, const PanneSearchOptions& options) {
-  std::vector<Measured> points;
+std::vector<SearchPoint> search(const VisibilityMatrix& matrix, const PanneSearchOptions& options) {
+  std::vector<SearchPoint> points;
   double paused = 0, paused_processor = 0, next = 0;
   const double start = wall_seconds(), start_processor = processor_seconds();
   const auto note = [&](const PanneTable& table, bool last) {
@@ -79,13 +79,13 @@ void run_panne_search(const PanneSearchOptions& options) {
   std::string csv =
       "matrix,rows,columns,ones,bitmap,seconds,bytes,clusters,symbols,priced_bytes,processor_seconds,peak_"
       "bytes,threads,seed\n";
-  const auto tell = [&](const std::string& name, const std::vector<Measured>& points) {
-    for (const Measured& m : points) {
+  const auto tell = [&](const std::string& name, const std::vector<SearchPoint>& points) {
+    for (const SearchPoint& m : points) {
       const std::uint64_t bitmap = std::uint64_t{m.rows} * row_bytes_of(m.columns);
       csv += csv_line(name, m.rows, m.columns, m.ones, bitmap, m.seconds, m.bytes, m.clusters, m.symbols,
                       m.priced_bytes, m.processor_seconds, m.peak_bytes, options.threads, options.seed);
     }
-    const Measured &first = points.front(), &last = points.back();
+    const SearchPoint &first = points.front(), &last = points.back();
     std::printf("%-28s %7u %7u %10llu %10llu %10llu %7.2f %8.1f %8u\n", name.c_str(), last.rows, last.columns,
                 static_cast<unsigned long long>(last.ones), static_cast<unsigned long long>(first.bytes),
                 static_cast<unsigned long long>(last.bytes),
@@ -97,13 +97,13 @@ void run_panne_search(const PanneSearchOptions& options) {
   std::printf("%-28s %7s %7s %10s %10s %10s %7s %8s %8s\n", "matrix", "rows", "columns", "ones", "without",
               "bytes", "ratio", "seconds", "clusters");
   for (const auto& path : options.matrices) {
-    tell(matrix_name(path), apart<Measured>([&] { return search(read_dataset(path).matrix, options); }));
+    tell(matrix_name(path), apart<SearchPoint>([&] { return search(read_dataset(path).matrix, options); }));
   }
   for (const double scale : options.scales) {
     DeltaSceneOptions scene = power_plant_scene(scale);
     scene.seed = options.seed;
     tell("power-plant-1/" + std::to_string(std::lround(1 / scale)),
-         apart<Measured>([&] { return search(generate_delta_scene(scene, options.threads), options); }));
+         apart<SearchPoint>([&] { return search(generate_delta_scene(scene, options.threads), options); }));
   }
 }
 
