@@ -1,0 +1,47 @@
+#include "layout/points/inverted_index.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace vismat {
+
+InvertedIndex::InvertedIndex(std::uint32_t sets, std::uint32_t ids, const IdsOf& ids_of)
+    : first_(std::size_t{ids} + 1, 0), count_(ids, 0) {
+  for (std::uint32_t s = 0; s < sets; ++s) {
+    for (const std::uint32_t id : ids_of(s)) ++count_[id];
+  }
+  for (std::uint32_t id = 0; id < ids; ++id) first_[id + 1] = first_[id] + count_[id];
+  sets_.resize(first_.back());
+  std::fill(count_.begin(), count_.end(), 0u);
+  for (std::uint32_t s = 0; s < sets; ++s) {
+    for (const std::uint32_t id : ids_of(s)) sets_[first_[id] + count_[id]++] = s;
+  }
+}
+
+void InvertedIndex::erase(std::uint32_t id, std::uint32_t set) {
+  const auto begin = sets_.begin() + static_cast<std::ptrdiff_t>(first_[id]), end = begin + count_[id];
+  const auto at = std::lower_bound(begin, end, set);
+  assert(at != end && *at == set);
+  std::copy(at + 1, end, at);
+  --count_[id];
+}
+
+void InvertedIndex::insert(std::uint32_t id, std::uint32_t set) {
+  assert(first_[id] + count_[id] < first_[id + 1]);
+  const auto begin = sets_.begin() + static_cast<std::ptrdiff_t>(first_[id]), end = begin + count_[id];
+  const auto at = std::lower_bound(begin, end, set);
+  std::copy_backward(at, end, end + 1);
+  *at = set;
+  ++count_[id];
+}
+
+AllPairsCost all_pairs_cost(std::uint32_t sets, std::span<const std::uint32_t> sets_with_id) {
+  // An addition of the index takes .8, a word of bits .16, and each pair of sets 8 more.
+  AllPairsCost cost;
+  for (const double n : sets_with_id) cost.by_index += .8 * n * n;
+  const double words = static_cast<double>(sets_with_id.size()) / 64;
+  cost.by_bits = (.16 * words + 8) * sets * sets;
+  return cost;
+}
+
+}  // namespace vismat
