@@ -68,9 +68,9 @@ void merge(const MergeOptions& options) {
   if (groups.rows) line("view cells", grouped(groups.rows->groups()) + " of " + grouped(rows) + " are left");
   if (groups.columns)
     line("objects", grouped(groups.columns->groups()) + " of " + grouped(columns) + " are left");
-  VisibilityMatrix expanded = groups.rows ? expand_rows(data.matrix, *groups.rows) : data.matrix;
-  if (groups.columns) expanded = expand_columns(expanded, *groups.columns);
-  print_loss(loss_of(expanded, original));
+  const Partition of_rows = groups.rows.value_or(Partition::identity(rows));
+  print_loss(groups.columns ? loss_of(expand_columns(data.matrix, *groups.columns), of_rows, original)
+                            : loss_of(data.matrix, of_rows, original));
   line("map", grouped(group_size(groups.rows) + group_size(groups.columns)) + " bytes in a .vmat file");
   if (nodes && !data.source.columns_are_nodes) line("tree", "left out, because its nodes were merged");
 }

@@ -34,8 +34,13 @@ std::uint32_t Loss::worst_row() const {
 }
 
 Loss loss_of(const VisibilityMatrix& lossy, const VisibilityMatrix& original) {
-  if (lossy.shape() != original.shape()) {
-    throw std::invalid_argument("stands for " + text(lossy.shape()) + ", but the original has " +
+  return loss_of(lossy, Partition::identity(lossy.shape().rows), original);
+}
+
+Loss loss_of(const VisibilityMatrix& merged, const Partition& rows, const VisibilityMatrix& original) {
+  const Shape stands_for = {rows.size(), merged.shape().columns};
+  if (stands_for != original.shape()) {
+    throw std::invalid_argument("stands for " + text(stands_for) + ", but the original has " +
                                 text(original.shape()));
   }
   Loss loss;
@@ -43,7 +48,7 @@ Loss loss_of(const VisibilityMatrix& lossy, const VisibilityMatrix& original) {
   loss.visible = original.ones();
   loss.rows.reserve(loss.shape.rows);
   for (std::uint32_t r = 0; r < loss.shape.rows; ++r) {
-    const auto seen = lossy.row(r), must = original.row(r);
+    const auto seen = merged.row(rows.group_of_member()[r]), must = original.row(r);
     std::uint32_t missing = 0;
     std::size_t i = 0;
     for (const std::uint32_t column : must) {

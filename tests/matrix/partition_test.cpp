@@ -93,6 +93,17 @@ TEST(Loss, CountsEntryByEntry) {
   EXPECT_DOUBLE_EQ(loss.lost(), static_cast<double>(added) / static_cast<double>(30 * 70 - original.ones()));
 }
 
+TEST(Loss, OfGroupsIsThatOfTheirMembers) {
+  const VisibilityMatrix original = random_matrix({40, 30}, 8);
+  const Partition rows = random_groups(40, 9, 3);
+  const VisibilityMatrix merged = merge_rows(original, rows);
+  const Loss loss = loss_of(merged, rows, original), expanded = loss_of(expand_rows(merged, rows), original);
+  EXPECT_GT(loss.added, 0u);
+  EXPECT_EQ(loss.added, expanded.added);
+  EXPECT_EQ(loss.rows, expanded.rows);
+  EXPECT_THROW(loss_of(merged, original), std::invalid_argument);
+}
+
 TEST(Loss, OfTheSameMatrixIsNothing) {
   const VisibilityMatrix matrix = random_matrix({5, 9}, 6);
   const Loss loss = loss_of(matrix, matrix);
