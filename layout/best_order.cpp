@@ -5,11 +5,13 @@
 #include "layout/best_order.h"
 
 #include <array>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "layout/cost.h"
 #include "layout/points/distinct_columns.h"
+#include "layout/points/near.h"
 #include "layout/tours/polished_tour.h"
 #include "layout/tours/scale_tour.h"
 #include "matrix/base/parallel.h"
@@ -25,8 +27,14 @@ bool can_be_paired(const SparsePoints& points) {
 
 std::vector<std::uint32_t> shorter_of_two(const SparsePoints& points, const BestOrderOptions& options) {
   const ColumnPoints columns(matrix_of(points));
-  const NeighbourLists lists = exact_neighbours(columns, PolishedTourOptions{}.neighbours, options.threads,
-                                                begin_stage(options.stages, "distances of all pairs"));
+  constexpr double without_limit = std::numeric_limits<double>::infinity();  // can_be_paired() is one
+  const NeighbourLists lists = near_points(points,
+                                           {.neighbours = PolishedTourOptions{}.neighbours,
+                                            .zero = true,
+                                            .exact_seconds = without_limit,
+                                            .stages = options.stages},
+                                           options.threads)
+                                   .lists;
   PolishOptions polishing = PolishedTourOptions{}.polish;
   polishing.seed = options.seed;
   polishing.seconds = options.seconds;

@@ -1,7 +1,6 @@
 #include "layout/groups/row_groups.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdlib>
 #include <numeric>
 #include <optional>
@@ -10,24 +9,12 @@
 namespace vismat {
 namespace {
 
-constexpr std::uint32_t folded_bits = 512;
+constexpr std::uint32_t most_in_16_bits = 0xffff;
 
 void take_out(std::vector<std::uint32_t>& list, std::vector<std::uint32_t>& places, std::uint32_t place) {
   list[place] = list.back();
   places[list[place]] = place;
   list.pop_back();
-}
-
-// Calls visit(column, in_a) for each column that only one of the two has.
-template <typename Visit>
-void for_each_difference(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-                         const Visit& visit) {
-  for (std::size_t w = 0; w < a.size(); ++w) {
-    for (std::uint64_t differ = a[w] ^ b[w]; differ != 0; differ &= differ - 1) {
-      const auto bit = static_cast<unsigned>(std::countr_zero(differ));
-      visit(64 * w + bit, (a[w] >> bit & 1) != 0);
-    }
-  }
 }
 
 }  // namespace
@@ -55,13 +42,13 @@ struct RowGroups::Lost {
   std::int64_t union_at(std::uint32_t distance) const { return (ones + distance) / 2; }
 };
 
-RowGroups::RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& options)
+RowGroups::RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& options,
+                     std::optional<GroupSets::Form> form)
     : kind_of_row_(equal_rows(matrix)),
       kinds_(merge_rows(matrix, kind_of_row_)),
       rows_of_kind_(kinds_.shape().rows, 0),
       room_(options.room_in_column),
-      union_(kinds_),
-      folded_({kinds_.shape().rows, std::min(folded_bits, kinds_.shape().columns)}),
+      sets_(kinds_, form.value_or(GroupSets::cheaper(kinds_))),
       of_size_(kinds_.shape().columns + std::size_t{1}),
       place_in_size_(kinds_.shape().rows) {
   const auto [kinds, columns] = kinds_.shape();
@@ -77,7 +64,6 @@ RowGroups::RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& opti
     members_.push_back({k});
     place_in_size_[k] = static_cast<std::uint32_t>(of_size_[ones].size());
     of_size_[ones].push_back(k);
-    fold(k);
   }
   most_of_kind_ = most_;
 }
@@ -85,19 +71,51 @@ RowGroups::RowGroups(const VisibilityMatrix& matrix, const GroupingOptions& opti
 std::uint64_t RowGroups::score(std::uint32_t a, std::uint32_t b, std::uint64_t limit) const {
   const Lost lost(rows_[a], size_[a], rows_[b], size_[b]);
   const auto far = lost.farthest(limit);
-  if (!far || hamming_distance(folded_.row(a), folded_.row(b), *far) > *far) return unbounded;
-  const std::uint32_t distance = hamming_distance(union_.row(a), union_.row(b), *far);
+  if (!far) return unbounded;
+  const std::uint32_t distance = sets_.distance(a, b, *far);
   if (distance > *far || lost.union_at(distance) > std::min(most_[a], most_[b])) return unbounded;
-  return has_room(union_.row(a), rows_[a], union_.row(b), rows_[b]) ? lost.at(distance) : unbounded;
+  return has_room(a, b) ? lost.at(distance) : unbounded;
 }
 
-RowGroups::Pair RowGroups::best_partner(std::uint32_t group) const {
-  Pair best;
+// The least few pairs, without repeats.
+class RowGroups::Best {
+ public:
+  explicit Best(std::uint32_t most) : most_(most) {}
+  /// A pair above this is not among them.
+  Pair limit() const { return pairs_.size() < most_ ? Pair{} : pairs_.back(); }
+  void offer(const Pair& pair) {
+    if (pair >= limit()) return;
+    const auto at = std::ranges::lower_bound(pairs_, pair);
+    if (at != pairs_.end() && *at == pair) return;
+    pairs_.insert(at, pair);
+    if (pairs_.size() > most_) pairs_.pop_back();
+  }
+  std::vector<Pair> take() { return std::move(pairs_); }
+
+ private:
+  std::uint32_t most_;
+  std::vector<Pair> pairs_;
+};
+
+std::vector<RowGroups::Pair> RowGroups::best_partners(std::uint32_t group, std::uint32_t most,
+                                                      unsigned threads) const {
+  Best best(most);
+  if (!sets_.listed())
+    search_by_size(group, best);
+  else if (size_[group] <= most_in_16_bits)
+    search_by_index<std::uint16_t>(group, best, threads);
+  else
+    search_by_index<std::uint32_t>(group, best, threads);
+  return best.take();
+}
+
+// Only groups of similar size are examined [Zach & Karner 2003, section 4.1]. Groups of near rows come first, as near
+// rows are often similar, and a low score soon rules the others out.
+void RowGroups::search_by_size(std::uint32_t group, Best& best) const {
   const auto look_at = [&](std::uint32_t other) {
     if (other == group) return;
-    const std::uint64_t score = this->score(group, other, best.score);
-    if (score < best.score || (score == best.score && score != unbounded && other < best.partner))
-      best = {score, other};
+    const std::uint64_t score = this->score(group, other, best.limit().score);
+    if (score != unbounded) best.offer({score, other});
   };
   const auto kinds = static_cast<std::uint32_t>(group_of_kind_.size());
   for (std::uint32_t away = 1; away < kinds; away *= 2) {
@@ -111,26 +129,34 @@ RowGroups::Pair RowGroups::best_partner(std::uint32_t group) const {
   look_at_size(own);
   bool smaller = true, larger = true;
   for (std::uint32_t away = 1; smaller || larger; ++away) {
-    smaller = smaller && away <= own && away <= best.score;
-    larger = larger && away <= columns - own && std::uint64_t{away} * rows_[group] <= best.score &&
+    smaller = smaller && away <= own && away <= best.limit().score;
+    larger = larger && away <= columns - own && std::uint64_t{away} * rows_[group] <= best.limit().score &&
              own + away <= most_[group];
     if (smaller) look_at_size(own - away);
     if (larger) look_at_size(own + away);
   }
-  return best;
+}
+
+template <typename Count>
+void RowGroups::search_by_index(std::uint32_t group, Best& best, unsigned threads) const {
+  const std::vector<Count> common = sets_.common<Count>(sets_.list(group), threads);
+  const std::uint64_t in_group = rows_[group], ones = size_[group];
+  Pair limit = best.limit();
+  for (const std::uint32_t other : alive_) {
+    const std::uint64_t shared = common[sets_.slot(other)], alone = size_[other] - shared;
+    const Pair pair = {in_group * alone + rows_[other] * (ones - shared), other};
+    if (pair >= limit || other == group) continue;
+    if (ones + alone > std::min(most_[group], most_[other]) || !has_room(group, other)) continue;
+    best.offer(pair);
+    limit = best.limit();
+  }
 }
 
 void RowGroups::merge(std::uint32_t into, std::uint32_t from) {
   lost_ += score(into, from);
-  take_room(union_.row(into), rows_[into], union_.row(from), rows_[from]);
-  const auto whole = union_.row(into);
-  std::uint32_t size = 0;
-  for (std::size_t w = 0; w < whole.size(); ++w) {
-    whole[w] |= std::as_const(union_).row(from)[w];
-    size += static_cast<std::uint32_t>(std::popcount(whole[w]));
-  }
-  set_size(into, size);
-  fold(into);
+  take_room(into, from);
+  sets_.join(into, from);
+  set_size(into, sets_.size(into));
   rows_[into] += rows_[from];
   most_[into] = std::min(most_[into], most_[from]);
   for (const std::uint32_t kind : members_[from]) group_of_kind_[kind] = into;
@@ -141,62 +167,78 @@ void RowGroups::merge(std::uint32_t into, std::uint32_t from) {
   place_[from] = none;
 }
 
-std::uint64_t RowGroups::exchange() {
-  const std::size_t columns = kinds_.shape().columns;
-  std::vector<std::uint32_t> seen(alive_.size() * columns, 0);  // by how many kinds of a group, by its place
-  for (std::uint32_t k = 0; k < kinds_.shape().rows; ++k) {
-    for (const std::uint32_t c : kinds_.row(k)) ++seen[place_[group_of_kind_[k]] * columns + c];
+// The group where the kind would lose least, less than what is regained where it is.
+RowGroups::Pair RowGroups::best_home(std::uint32_t kind, std::uint64_t regained) const {
+  const auto ids = kinds_.row(kind);
+  const auto ones = static_cast<std::uint32_t>(ids.size());
+  if (!sets_.listed()) {
+    BitRows own({1, kinds_.shape().columns});
+    for (const std::uint32_t c : ids) own.set(0, c);
+    return best_home(kind, regained, [&](std::uint32_t to, std::uint32_t limit) {
+      return sets_.distance(std::as_const(own).row(0), to, limit);
+    });
   }
-  BitRows own({1, kinds_.shape().columns});
+  const auto by_index = [&](const auto& common) {
+    return best_home(kind, regained, [&](std::uint32_t to, std::uint32_t) {
+      return ones + size_[to] - 2 * std::uint32_t{common[sets_.slot(to)]};
+    });
+  };
+  return ones <= most_in_16_bits ? by_index(sets_.common<std::uint16_t>(ids))
+                                 : by_index(sets_.common<std::uint32_t>(ids));
+}
+
+template <typename DistanceTo>
+RowGroups::Pair RowGroups::best_home(std::uint32_t kind, std::uint64_t regained,
+                                     const DistanceTo& distance_to) const {
+  const auto ids = kinds_.row(kind);
+  Pair best = {regained - 1, none};
+  for (const std::uint32_t to : alive_) {
+    if (to == group_of_kind_[kind]) continue;
+    const Lost lost(rows_of_kind_[kind], static_cast<std::int64_t>(ids.size()), rows_[to], size_[to]);
+    const auto far = lost.farthest(best.score);
+    if (!far) continue;
+    const std::uint32_t distance = distance_to(to, *far);
+    if (distance > *far || lost.union_at(distance) > std::min(most_of_kind_[kind], most_[to])) continue;
+    const Pair pair = {lost.at(distance), to};
+    if (pair > best) continue;
+    bool room = true;
+    if (!room_.empty()) {
+      sets_.each_difference(ids, to, [&](std::uint32_t c, bool in_kind_alone) {
+        room = room && room_[c] >= (in_kind_alone ? rows_[to] : rows_of_kind_[kind]);
+      });
+    }
+    if (room) best = pair;
+  }
+  return best;
+}
+
+std::uint64_t RowGroups::exchange() {
+  sets_.begin_moves(alive_, group_of_kind_);
   const std::uint64_t lost_before = lost_;
   for (std::uint32_t k = 0; k < kinds_.shape().rows; ++k) {
     const std::uint32_t from = group_of_kind_[k], in_kind = rows_of_kind_[k];
     if (members_[from].size() == 1) continue;
     const auto ids = kinds_.row(k);
     const auto ones = static_cast<std::uint32_t>(ids.size());
-    std::uint32_t* const seen_from = seen.data() + place_[from] * columns;
-    const auto alone = static_cast<std::uint32_t>(
-        std::count_if(ids.begin(), ids.end(), [&](std::uint32_t c) { return seen_from[c] == 1; }));
-    const std::uint64_t regained =
-        std::uint64_t{rows_[from] - in_kind} * alone + std::uint64_t{in_kind} * (size_[from] - ones);
+    const std::uint64_t regained = std::uint64_t{rows_[from] - in_kind} * sets_.alone(k, from) +
+                                   std::uint64_t{in_kind} * (size_[from] - ones);
     if (regained == 0) continue;
+    const auto [lost, to] = best_home(k, regained);
+    if (to == none) continue;
 
-    std::ranges::fill(own.row(0), 0);
-    for (const std::uint32_t c : ids) own.set(0, c);
-    const auto bits = std::as_const(own).row(0);
-    Pair best = {regained - 1, none};  // a move must gain
-    for (const std::uint32_t to : alive_) {
-      if (to == from) continue;
-      const Lost lost(in_kind, ones, rows_[to], size_[to]);
-      const auto far = lost.farthest(best.score);
-      if (!far) continue;
-      const std::uint32_t distance = hamming_distance(bits, union_.row(to), *far);
-      if (distance > *far || lost.union_at(distance) > std::min(most_of_kind_[k], most_[to])) continue;
-      const std::uint64_t score = lost.at(distance);
-      if ((score < best.score || best.partner == none || to < best.partner) &&
-          has_room(bits, in_kind, union_.row(to), rows_[to]))
-        best = {score, to};
+    lost_ -= regained - lost;
+    if (!room_.empty()) {
+      sets_.each_difference(ids, to, [&](std::uint32_t c, bool in_kind_alone) {
+        room_[c] -= in_kind_alone ? rows_[to] : in_kind;
+      });
     }
-    if (best.partner == none) continue;
-
-    const std::uint32_t to = best.partner;
-    lost_ -= regained - best.score;
-    take_room(bits, in_kind, union_.row(to), rows_[to]);
-    std::uint32_t* const seen_to = seen.data() + place_[to] * columns;
-    std::uint32_t joining = 0;
-    for (const std::uint32_t c : ids) {
-      joining += seen_to[c]++ == 0;
-      union_.set(to, c);
-      if (--seen_from[c] == 0) union_.row(from)[c / 64] &= ~(std::uint64_t{1} << (c % 64));
-    }
+    sets_.move(k, from, to);
     rows_[from] -= in_kind;
     rows_[to] += in_kind;
-    set_size(from, size_[from] - alone);
-    set_size(to, size_[to] + joining);
-    fold(from);
-    fold(to);
+    set_size(from, sets_.size(from));
+    set_size(to, sets_.size(to));
     if (!room_.empty()) {  // what the two no longer lose to one another
-      for_each_difference(bits, union_.row(from), [&](std::size_t c, bool in_kind_alone) {
+      sets_.each_difference(ids, from, [&](std::uint32_t c, bool in_kind_alone) {
         room_[c] += in_kind_alone ? rows_[from] : in_kind;
       });
     }
@@ -208,6 +250,7 @@ std::uint64_t RowGroups::exchange() {
     for (const std::uint32_t member : members_[from])
       most_[from] = std::min(most_[from], most_of_kind_[member]);
   }
+  sets_.end_moves();
   return lost_before - lost_;
 }
 
@@ -223,20 +266,18 @@ Partition RowGroups::partition() const {
 }
 
 // A column that a alone has is lost in the rows of b.
-bool RowGroups::has_room(std::span<const std::uint64_t> a, std::uint64_t in_a,
-                         std::span<const std::uint64_t> b, std::uint64_t in_b) const {
+bool RowGroups::has_room(std::uint32_t a, std::uint32_t b) const {
   bool room = true;
-  if (!room_.empty())
-    for_each_difference(a, b,
-                        [&](std::size_t c, bool of_a) { room = room && room_[c] >= (of_a ? in_b : in_a); });
+  if (!room_.empty()) {
+    sets_.each_difference(
+        a, b, [&](std::uint32_t c, bool of_a) { room = room && room_[c] >= (of_a ? rows_[b] : rows_[a]); });
+  }
   return room;
 }
 
-void RowGroups::take_room(std::span<const std::uint64_t> a, std::uint64_t in_a,
-                          std::span<const std::uint64_t> b, std::uint64_t in_b) {
+void RowGroups::take_room(std::uint32_t a, std::uint32_t b) {
   if (room_.empty()) return;
-  for_each_difference(
-      a, b, [&](std::size_t c, bool of_a) { room_[c] -= static_cast<std::uint32_t>(of_a ? in_b : in_a); });
+  sets_.each_difference(a, b, [&](std::uint32_t c, bool of_a) { room_[c] -= of_a ? rows_[b] : rows_[a]; });
 }
 
 void RowGroups::set_size(std::uint32_t group, std::uint32_t size) {
@@ -244,13 +285,6 @@ void RowGroups::set_size(std::uint32_t group, std::uint32_t size) {
   size_[group] = size;
   place_in_size_[group] = static_cast<std::uint32_t>(of_size_[size].size());
   of_size_[size].push_back(group);
-}
-
-void RowGroups::fold(std::uint32_t group) {
-  const auto words = std::as_const(union_).row(group);
-  const auto folded = folded_.row(group);
-  std::ranges::fill(folded, 0);
-  for (std::size_t w = 0; w < words.size(); ++w) folded[w % folded.size()] ^= words[w];
 }
 
 }  // namespace vismat

@@ -35,6 +35,12 @@ void InvertedIndex::insert(std::uint32_t id, std::uint32_t set) {
   ++count_[id];
 }
 
+void InvertedIndex::renumber(std::span<const std::uint32_t> new_of_old) {
+  for (std::size_t id = 0; id < count_.size(); ++id) {
+    for (std::uint64_t i = first_[id]; i < first_[id] + count_[id]; ++i) sets_[i] = new_of_old[sets_[i]];
+  }
+}
+
 AllPairsCost all_pairs_cost(std::uint32_t sets, std::span<const std::uint32_t> sets_with_id) {
   // An addition of the index takes .8, a word of bits .16, and each pair of sets 8 more.
   AllPairsCost cost;

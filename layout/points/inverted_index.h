@@ -31,6 +31,8 @@ class InvertedIndex {
   void erase(std::uint32_t id, std::uint32_t set);
   /// The set, which lacks the id, has it from now on. No id may be in more sets than at the beginning.
   void insert(std::uint32_t id, std::uint32_t set);
+  /// Set s becomes new_of_old[s]; those that have ids must keep their order. O(ids of all sets).
+  void renumber(std::span<const std::uint32_t> new_of_old);
 
  private:
   std::vector<std::uint64_t> first_;
@@ -42,6 +44,8 @@ class InvertedIndex {
 struct AllPairsCost {
   double by_index = 0, by_bits = 0;
   double least() const { return by_index < by_bits ? by_index : by_bits; }
+  /// Where distances above a limit may be left unknown, as in a search for the least, a third of the bits is read.
+  bool index_beats_limited_bits() const { return by_index < by_bits / 3; }
 };
 /// `sets_with_id` has the number of sets for each id.
 AllPairsCost all_pairs_cost(std::uint32_t sets, std::span<const std::uint32_t> sets_with_id);

@@ -41,18 +41,49 @@ NeighbourLists compare_all(const SparsePoints& points, std::uint32_t wanted,
   return lists;
 }
 
+// The zero point is as far from each point as that has ones.
+NeighbourLists with_zero(const NeighbourLists& lists, const SparsePoints& points, std::uint32_t wanted) {
+  const std::uint32_t count = points.size();
+  NeighbourLists whole{wanted, {}, {}};
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> near;
+  const auto append = [&](std::uint32_t distance, std::uint32_t point) {
+    whole.distances.push_back(distance);
+    whole.ids.push_back(point);
+  };
+  for (std::uint32_t p = 0; p < count; ++p) {
+    near = {{points.weight(p), points.zero()}};
+    for (std::size_t n = 0; n < lists.per_point; ++n) {
+      const std::size_t at = p * std::size_t{lists.per_point} + n;
+      near.emplace_back(lists.distances[at], lists.ids[at]);
+    }
+    std::ranges::inplace_merge(near, near.begin() + 1);
+    near.resize(wanted);
+    for (const auto& [distance, q] : near) append(distance, q);
+  }
+  near.clear();
+  for (std::uint32_t p = 0; p < count; ++p) near.emplace_back(points.weight(p), p);
+  std::ranges::partial_sort(near, near.begin() + wanted);
+  for (std::uint32_t n = 0; n < wanted; ++n) append(near[n].first, near[n].second);
+  return whole;
+}
+
 }  // namespace
 
 NearPoints near_points(const SparsePoints& points, const NearOptions& options, unsigned threads) {
-  const std::uint32_t wanted = points.size() == 0 ? 0 : std::min(options.neighbours, points.size() - 1);
-  if (wanted == 0) return {};
-  if (all_pairs_cost(points).least() <= 1e9 * options.exact_seconds) {
-    return {compare_all(points, wanted, PointComparison(points),
-                        begin_stage(options.stages, "distances of all pairs"), threads)};
+  const std::uint32_t count = points.size(),
+                      wanted = std::min(options.neighbours, count == 0 ? 0 : count - 1);
+  NearPoints near;
+  near.exact = wanted == 0 || all_pairs_cost(points).least() <= 1e9 * options.exact_seconds;
+  if (wanted > 0 && near.exact) {
+    near.lists = compare_all(points, wanted, PointComparison(points),
+                             begin_stage(options.stages, "distances of all pairs"), threads);
+  } else if (wanted > 0) {
+    near.lists =
+        nearby_points(points, ColumnSketches(points, 0, threads),
+                      {.neighbours = wanted, .seed = options.seed, .stages = options.stages}, threads);
   }
-  const NearbyOptions nearby{.neighbours = wanted, .seed = options.seed, .stages = options.stages};
-  const ColumnSketches sketches(points, 0, threads);
-  return {nearby_points(points, sketches, nearby, threads), false};
+  if (options.zero) near.lists = with_zero(near.lists, points, std::min(options.neighbours, count));
+  return near;
 }
 
 }  // namespace vismat

@@ -11,6 +11,8 @@ namespace vismat {
 
 struct NearOptions {
   std::uint32_t neighbours = 10;  // of each point
+  /// The zero point has a list and is in lists like any other, as in exact_neighbours; its number is the last.
+  bool zero = false;
   /// All pairs are compared if that is estimated to take no more processor time than this; otherwise candidates are
   /// found with sketches. The estimate depends on the points' sizes alone, never on the machine.
   double exact_seconds = 120;
@@ -18,7 +20,7 @@ struct NearOptions {
   Stages stages = {};
 };
 
-/// For each point but the zero point its nearest other ones by symmetric difference, nearest first, ties by number.
+/// For each point, the zero point only if asked for, its nearest other ones by symmetric difference, nearest first, ties by number.
 struct NearPoints {
   /// per_point is the number asked for, or less if there are fewer other points. All distances are exact. A list that
   /// found fewer (never if `exact`) ends with id no_point and distance no_point.

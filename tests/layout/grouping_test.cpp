@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "layout/groups/group_sets.h"
 #include "layout/groups/pair_grouping.h"
 #include "layout/groups/row_groups.h"
 #include "matrix/base/random.h"
@@ -33,6 +34,26 @@ VisibilityMatrix clustered(Shape shape, std::uint32_t prototypes, std::uint64_t 
     }
   }
   return VisibilityMatrix::from_rows(rows, shape.columns);
+}
+
+// The same with few ones in many columns, whose sets are kept as lists.
+VisibilityMatrix sparse(std::uint32_t rows, std::uint32_t prototypes, std::uint64_t seed) {
+  constexpr std::uint32_t columns = 20000;
+  Random random(seed);
+  std::vector<Set> prototype(prototypes);
+  for (Set& set : prototype) {
+    while (set.size() < 40) set.insert(random.below(columns));
+  }
+  std::vector<std::vector<std::uint32_t>> all(rows);
+  for (auto& row : all) {
+    Set set;
+    for (const std::uint32_t c : prototype[random.below(prototypes)]) {
+      if (random.below(12) > 0) set.insert(c);
+    }
+    for (std::uint32_t more = random.below(4); more > 0; --more) set.insert(random.below(columns));
+    row.assign(set.begin(), set.end());
+  }
+  return VisibilityMatrix::from_rows(all, columns);
 }
 
 std::uint64_t zeros(const VisibilityMatrix& matrix) {
@@ -67,6 +88,18 @@ std::uint64_t slow_best_score(const VisibilityMatrix& matrix, const Partition& g
   return best;
 }
 
+TEST(GroupSets, CountTheSameOnSeveralThreads) {
+  const VisibilityMatrix matrix = clustered({900, 1500}, 5, 31);  // some 400,000 additions
+  const GroupSets sets(matrix, GroupSets::Form::lists);
+  const auto alone = sets.common<std::uint16_t>(sets.list(3));
+  for (std::uint32_t g = 0; g < 900; ++g) {
+    const std::uint32_t distance = sets.distance(3, g, 0xffffffff);
+    ASSERT_EQ(2 * alone[sets.slot(g)], matrix.row(3).size() + matrix.row(g).size() - distance);
+  }
+  for (const unsigned threads : {2u, 3u, 64u})
+    EXPECT_EQ(sets.common<std::uint16_t>(sets.list(3), threads), alone);
+}
+
 TEST(RowGroups, FindTheBestPartnerThatEverySearchFinds) {
   const VisibilityMatrix matrix = clustered({40, 90}, 5, 1);
   RowGroups groups(matrix, {});
@@ -90,6 +123,52 @@ TEST(RowGroups, FindTheBestPartnerThatEverySearchFinds) {
     const std::uint32_t from = groups.best_partner(into).partner;
     groups.merge(into, from);
     EXPECT_FALSE(groups.is_alive(from));
+  }
+}
+
+// Bits and lists, searches for one partner and for several, with limits on rows and columns and without.
+TEST(RowGroups, AreTheSameHoweverTheirSetsAreKept) {
+  for (const bool dense : {true, false}) {
+    const VisibilityMatrix matrix = dense ? clustered({50, 90}, 5, 21) : sparse(50, 5, 22);
+    for (const bool limited : {true, false}) {
+      GroupingOptions options;
+      if (limited) {
+        options.lost_in_row = dense ? .6 : .01;
+        options.room_in_column.assign(matrix.shape().columns, 30);
+      }
+      RowGroups bits(matrix, options, GroupSets::Form::bits), lists(matrix, options, GroupSets::Form::lists);
+      EXPECT_EQ(RowGroups(matrix, options).sparse(), !dense);
+      for (std::uint32_t turn = 0; turn < 44; ++turn) {
+        RowGroups::Pair best;
+        std::uint32_t into = RowGroups::none;
+        for (const std::uint32_t group : bits.alive()) {
+          std::vector<RowGroups::Pair> all;
+          for (const std::uint32_t other : bits.alive()) {
+            if (other == group) continue;
+            ASSERT_EQ(bits.score(group, other), lists.score(group, other));
+            if (bits.score(group, other) != RowGroups::unbounded)
+              all.push_back({bits.score(group, other), other});
+          }
+          std::ranges::sort(all);
+          if (!all.empty() && all.front() < best) best = all.front(), into = group;
+          for (const std::uint32_t most : {6u, 1u}) {
+            all.resize(std::min<std::size_t>(all.size(), most));
+            ASSERT_EQ(bits.best_partners(group, most), all);
+            ASSERT_EQ(lists.best_partners(group, most), all);
+          }
+        }
+        if (into == RowGroups::none) break;
+        bits.merge(into, best.partner);
+        lists.merge(into, best.partner);
+        ASSERT_EQ(bits.lost(), loss_of(bits.partition(), matrix).added);
+        if (turn % 10 == 9) {
+          ASSERT_EQ(bits.exchange(), lists.exchange());
+          ASSERT_EQ(bits.lost(), loss_of(bits.partition(), matrix).added);
+        }
+        ASSERT_EQ(bits.lost(), lists.lost());
+        ASSERT_EQ(bits.partition(), lists.partition());
+      }
+    }
   }
 }
 
@@ -136,8 +215,7 @@ TEST(GroupRowsByPairs, LeavesFewerGroupsWhereRowsMayMove) {
             group_rows_by_pairs(matrix, {.lost = most}, 0).groups());
 }
 
-TEST(GroupRowsByPairs, AlwaysMergesTheBestPair) {
-  const VisibilityMatrix matrix = clustered({30, 70}, 4, 3);
+void expect_best_pairs(const VisibilityMatrix& matrix) {
   Partition before = group_rows_by_pairs(matrix, {.lost = 0}, 0);
   EXPECT_EQ(before.groups(), 30u);
   std::uint64_t lost = 0;
@@ -152,6 +230,11 @@ TEST(GroupRowsByPairs, AlwaysMergesTheBestPair) {
     EXPECT_LT(after.groups(), before.groups());
     before = after;
   }
+}
+
+TEST(GroupRowsByPairs, AlwaysMergesTheBestPair) {
+  expect_best_pairs(clustered({30, 70}, 4, 3));
+  expect_best_pairs(sparse(30, 4, 3));
 }
 
 class EveryGrouping : public testing::TestWithParam<Grouping> {};
@@ -203,9 +286,51 @@ TEST_P(EveryGrouping, JoinsEqualRowsWhateverMayBeLost) {
 }
 
 TEST_P(EveryGrouping, GivesTheSameGroupsForAnyThreadCount) {
-  const VisibilityMatrix matrix = clustered({150, 100}, 6, 8);
-  const Partition one = GetParam().group_rows(matrix, {.lost = 800, .seed = 3, .threads = 1});
-  EXPECT_EQ(GetParam().group_rows(matrix, {.lost = 800, .seed = 3, .threads = 4}), one);
+  for (const VisibilityMatrix& matrix : {clustered({150, 100}, 6, 8), sparse(150, 6, 8)}) {
+    const auto groups = [&](unsigned threads) {
+      return GetParam().group_rows(matrix, {.lost = 800, .seed = 3, .threads = threads});
+    };
+    const Partition one = groups(1);
+    EXPECT_LT(one.groups(), 150u);
+    for (const unsigned threads : {2u, 4u, 7u}) EXPECT_EQ(groups(threads), one);
+  }
+}
+
+TEST_P(EveryGrouping, KeepsLimitsOnSparseRows) {
+  const VisibilityMatrix matrix = sparse(120, 9, 4);
+  const std::vector<std::uint32_t> room(matrix.shape().columns, 9);
+  for (const std::uint64_t most : {std::uint64_t{0}, std::uint64_t{500}, zeros(matrix)}) {
+    const Partition groups = GetParam().group_rows(matrix, {.lost = most});
+    EXPECT_LE(loss_of(groups, matrix).added, most);
+    EXPECT_EQ(groups.groups() == 1, most == zeros(matrix));
+    const Partition within =
+        GetParam().group_rows(matrix, {.lost = most, .lost_in_row = .002, .room_in_column = room});
+    EXPECT_EQ(within.groups() < 120, most > 0);
+    const VisibilityMatrix lossy = expand_rows(merge_rows(matrix, within), within);
+    const Loss loss = vismat::loss_of(lossy, matrix);
+    EXPECT_LE(loss.lost_in(loss.worst_row()), .002);
+    const VisibilityMatrix before = transpose(matrix), after = transpose(lossy);
+    for (std::uint32_t c = 0; c < room.size(); ++c)
+      EXPECT_LE(after.row(c).size() - before.row(c).size(), room[c]);
+  }
+}
+
+TEST_P(EveryGrouping, TakesEqualEmptyAndEquallyFarRows) {
+  std::vector<std::vector<std::uint32_t>> one(60, std::vector<std::uint32_t>{7}), apart(60), some = one;
+  for (std::uint32_t r = 0; r < 60; ++r) apart[r] = {100 * r};
+  for (std::uint32_t r = 0; r < 60; r += 2) some[r].clear();
+  const auto groups_of = [&](const VisibilityMatrix& matrix, std::uint64_t lost) {
+    const Partition groups = GetParam().group_rows(matrix, {.lost = lost});
+    EXPECT_LE(loss_of(groups, matrix).added, lost);
+    return groups.groups();
+  };
+  EXPECT_EQ(groups_of(VisibilityMatrix({60, 6000}), 0), 1u);
+  EXPECT_EQ(groups_of(VisibilityMatrix::from_rows(one, 6000), 0), 1u);
+  EXPECT_EQ(groups_of(VisibilityMatrix::from_rows(std::vector(60, std::vector<std::uint32_t>{0}), 1), 0), 1u);
+  EXPECT_EQ(groups_of(VisibilityMatrix::from_rows(some, 6000), 29), 2u);
+  EXPECT_EQ(groups_of(VisibilityMatrix::from_rows(some, 6000), 30), 1u);
+  EXPECT_EQ(groups_of(VisibilityMatrix::from_rows(apart, 6000), 1), 60u);
+  EXPECT_EQ(groups_of(VisibilityMatrix::from_rows(apart, 6000), 60), 30u);  // 30 pairs, each for 2
 }
 
 TEST_P(EveryGrouping, TakesMatricesOfAnyShape) {

@@ -75,6 +75,19 @@ TEST(NearPoints, AreThoseOfBruteForce) {
   }
 }
 
+TEST(NearPoints, HaveTheZeroPointAmongThem) {
+  for (const auto& [name, matrix] : adversarial()) {
+    const SparsePoints points(matrix, false);
+    for (const std::uint32_t wanted : {1u, 7u, 1000u}) {
+      const NeighbourLists lists = near_points(points, {.neighbours = wanted, .zero = true}).lists,
+                           real = exact_neighbours(ColumnPoints(matrix), wanted);
+      EXPECT_EQ(lists.per_point, real.per_point) << name;
+      EXPECT_EQ(lists.ids, real.ids) << name;
+      EXPECT_EQ(lists.distances, real.distances) << name;
+    }
+  }
+}
+
 TEST(NearPoints, AreMostlyFoundWherePairsAreTooMany) {
   const SparsePoints points(generate_delta_scene(power_plant_scene(1. / 512)));
   const NearPoints near = near_points(points, {.exact_seconds = 0});
@@ -179,6 +192,11 @@ TEST(InvertedIndex, FollowsWhatSetsGainAndLose) {
   index.count_common(asked, common.data());
   for (std::uint32_t s = 0; s < sets; ++s)
     EXPECT_EQ(common[s], std::ranges::count_if(asked, [&](std::uint32_t id) { return has[s][id]; }));
+  std::vector<std::uint32_t> doubled(sets);
+  for (std::uint32_t s = 0; s < sets; ++s) doubled[s] = 2 * s;
+  const std::vector<std::uint32_t> before(index.sets_with(3).begin(), index.sets_with(3).end());
+  index.renumber(doubled);
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_EQ(index.sets_with(3)[i], 2 * before[i]);
 }
 
 }  // namespace
