@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "layout/points/point_comparison.h"
 #include "matrix/base/random.h"
 #include "matrix/base/union_find.h"
 #include "matrix/bit_rows.h"
@@ -78,6 +79,16 @@ TEST(NearestTree, IsAsShortAsKruskals) {
   for (int i = 0; i < 60; ++i) {
     const Shape shape = {1 + random.below(60), random.below(200)};
     expect_least_tree(random_rows(shape, 1 + random.below(shape.rows + 20), random));
+  }
+}
+
+// Their distances come from an index, those of dense rows from bits.
+TEST(NearestTree, IsAsShortForSparseRows) {
+  Random random(3);
+  for (const std::uint32_t columns : {20000u, 90u}) {
+    const VisibilityMatrix matrix = random_rows({80, columns}, 70, random);
+    EXPECT_EQ(all_pairs_cost(SparsePoints(transpose(matrix))).index_beats_limited_bits(), columns == 20000);
+    expect_least_tree(matrix);
   }
 }
 
