@@ -54,6 +54,8 @@ constexpr Entry entries[] = {
     {"Visibility", "peer-pvs",
      "Compares rays with a level's own visibility table, of the map compiler q3map2", add_peer_pvs},
     {"Visibility", "import-levels", "Speed of importing every level", add_import_levels},
+    {"Growth", "growth", "Time and memory of the verbs of vismat on plants of growing size, with exponents",
+     add_growth},
 };
 
 }  // namespace

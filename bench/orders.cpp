@@ -41,13 +41,13 @@ constexpr const char* orders_header =
 constexpr const char* orders_bounds_header = "matrix,side,step,bound,least_runs,seconds,cpu_seconds\n";
 
 // One side of a matrix, seen as columns.
-struct Side {
+struct SideToOrder {
   std::string matrix_name, name;
   Dataset data;
 };
 
-Side load(const std::string& file, const std::string& side) {
-  Side result{matrix_name(file), side, read_dataset(file)};
+SideToOrder load(const std::string& file, const std::string& side) {
+  SideToOrder result{matrix_name(file), side, read_dataset(file)};
   Dataset& data = result.data;
   if (side == "rows") {
     data.matrix = transpose(data.matrix);
@@ -64,7 +64,8 @@ struct OrderMeasured {
 };
 
 // The figures, then the order. Nothing where the method lacks what it needs.
-std::vector<double> figures(const Side& side, const std::string& method, const OrdersOptions& options) {
+std::vector<double> figures(const SideToOrder& side, const std::string& method,
+                            const OrdersOptions& options) {
   const VisibilityMatrix& matrix = side.data.matrix;
   ReorderingOptions order_options = options.order;
   order_options.column_bounds = side.data.column_bounds;
@@ -94,7 +95,7 @@ std::vector<double> figures(const Side& side, const std::string& method, const O
   }
 }
 
-std::vector<std::string> methods_of(const Side& side, const OrdersOptions& options) {
+std::vector<std::string> methods_of(const SideToOrder& side, const OrdersOptions& options) {
   std::vector<std::string> methods;
   for (const Reordering& method : reorderings()) methods.emplace_back(method.name);
   if (side.data.row_neighbours) methods.emplace_back("neighbours");
@@ -105,7 +106,8 @@ std::vector<std::string> methods_of(const Side& side, const OrdersOptions& optio
   return methods;
 }
 
-void add_tables(const Side& side, const OrdersOptions& options, std::string& csv, std::string& bounds_csv) {
+void add_tables(const SideToOrder& side, const OrdersOptions& options, std::string& csv,
+                std::string& bounds_csv) {
   const Shape shape = side.data.matrix.shape();
   std::printf("\n%s, %s: %u rows x %u columns, %ju ones\n", side.matrix_name.c_str(), side.name.c_str(),
               shape.rows, shape.columns, std::uintmax_t{side.data.matrix.ones()});

@@ -9,6 +9,7 @@ void add_disk_walk(const Verb& verb);
 void add_distance_statistics(const Verb& verb);
 void add_flann_recall(const Verb& verb);
 void add_gotsman_tables(const Verb& verb);
+void add_growth(const Verb& verb);
 void add_import_levels(const Verb& verb);
 void add_lossy_failures(const Verb& verb);
 void add_lossy_tables(const Verb& verb);
