@@ -44,9 +44,7 @@ void visit_lists(std::span<const std::uint32_t> a, std::span<const std::uint32_t
 }  // namespace
 
 GroupSets::Form GroupSets::cheaper(const VisibilityMatrix& rows) {
-  std::vector<std::uint32_t> of_column(rows.shape().columns, 0);
-  for (const std::uint32_t c : rows.ids()) ++of_column[c];
-  return all_pairs_cost(rows.shape().rows, of_column).index_beats_limited_bits() ? Form::lists : Form::bits;
+  return all_pairs_cost(rows).index_beats_limited_bits() ? Form::lists : Form::bits;
 }
 
 GroupSets::GroupSets(const VisibilityMatrix& rows, Form form) : rows_(rows), form_(form) {
@@ -75,6 +73,20 @@ std::uint32_t GroupSets::distance(std::uint32_t a, std::uint32_t b, std::uint32_
   }
   const std::uint32_t folded = hamming_distance(folded_.row(a), folded_.row(b), limit);
   return folded > limit ? folded : hamming_distance(bits_.row(a), bits_.row(b), limit);
+}
+
+std::vector<std::uint32_t> GroupSets::common_with(std::uint32_t group,
+                                                  std::span<const std::uint32_t> others) const {
+  std::vector<std::uint64_t> own((std::size_t{rows_.shape().columns} + 63) / 64, 0);
+  for (const std::uint32_t c : list(group)) own[c / 64] |= std::uint64_t{1} << (c % 64);
+  std::vector<std::uint32_t> common;
+  for (const std::uint32_t other : others) {
+    std::uint32_t shared = 0;
+    for (const std::uint32_t c : list(other))
+      shared += static_cast<std::uint32_t>(own[c / 64] >> (c % 64) & 1);
+    common.push_back(shared);
+  }
+  return common;
 }
 
 void GroupSets::each_difference(std::uint32_t a, std::uint32_t b, const Visit& visit) const {

@@ -49,6 +49,8 @@ class GroupSets {
     return std::move(counts[0]);
   }
   std::uint32_t slot(std::uint32_t group) const { return slot_[group]; }
+  /// How many of the group's columns each of the others has: O(their columns). Only if listed().
+  std::vector<std::uint32_t> common_with(std::uint32_t group, std::span<const std::uint32_t> others) const;
   /// A group's columns, ascending. Only if listed().
   std::span<const std::uint32_t> list(std::uint32_t group) const {
     return is_row_[group] ? rows_.row(group) : std::span<const std::uint32_t>(lists_[group]);

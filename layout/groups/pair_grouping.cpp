@@ -10,6 +10,10 @@
 // (distance, or distance and a constant) left more bytes or as many; so did filling short runs of zeros with ones in
 // place of half of the merges or of all.
 //
+// From some tens of thousands of sparse rows on, comparing all takes minutes. Groups then search only among those that
+// their members' near rows are in now: near_points finds the rows, a merged group's candidates are those of its parts,
+// and only a group that has few of them left searches all. When few groups remain, all pairs are compared as above.
+//
 // Greedy groups are not the best: moving single rows to other groups regains occlusions, and spending them on more
 // merges leaves fewer groups (docs/lossy.md), 2 % fewer on oa_thor's faces.
 #include "layout/groups/pair_grouping.h"
@@ -21,6 +25,7 @@
 #include <vector>
 
 #include "layout/groups/row_groups.h"
+#include "layout/points/near.h"
 
 namespace vismat {
 namespace {
@@ -28,9 +33,17 @@ namespace {
 // The search of a sparse row takes as long for one partner as for many. On the power plant at 1/32 the searches beside
 // those of merged groups fall from 26,800 with one to 10,300 with 8, 6,000 with 32 and 4,500 with 64.
 constexpr std::uint32_t most_found = 32;
+// A group with fewer candidates searches all others.
+constexpr std::uint32_t fewest_near = 8;
 
-// Until the next pair would lose too much.
-void merge_pairs(RowGroups& groups, const GroupingOptions& options) {
+// For each group the distinct rows whose groups it looks at.
+struct NearLists {
+  std::vector<std::vector<std::uint32_t>> of_group;
+  std::uint32_t few_groups = 0;
+};
+
+// Until the next pair would lose too much or, among near rows, few groups are left.
+void merge_pairs(RowGroups& groups, const GroupingOptions& options, NearLists* near = nullptr) {
   struct Entry {
     std::uint64_t score;
     std::uint32_t group, partner;
@@ -50,10 +63,16 @@ void merge_pairs(RowGroups& groups, const GroupingOptions& options) {
   std::vector<std::uint32_t> age(numbers, 0);
   std::vector<std::vector<Found>> found(numbers);  // by group, the best last
   const auto search = [&](std::uint32_t group, unsigned threads) {
+    std::vector<RowGroups::Pair> pairs;
+    if (near != nullptr) pairs = groups.best_among(group, near->of_group[group], most_found);
+    if (near == nullptr || pairs.size() < fewest_near)
+      pairs = groups.best_partners(group, groups.sparse() ? most_found : 1, threads);
     found[group].clear();
-    for (const RowGroups::Pair& pair : groups.best_partners(group, groups.sparse() ? most_found : 1, threads))
-      found[group].push_back({pair, age[pair.partner]});
+    for (const RowGroups::Pair& pair : pairs) found[group].push_back({pair, age[pair.partner]});
     std::ranges::reverse(found[group]);
+    if (near == nullptr) return;
+    near->of_group[group].clear();
+    for (const RowGroups::Pair& pair : pairs) near->of_group[group].push_back(pair.partner);
   };
   parallel_for(alive.size(), options.threads, [&](std::uint64_t i) { search(alive[i], 1); });
 
@@ -65,7 +84,8 @@ void merge_pairs(RowGroups& groups, const GroupingOptions& options) {
   };
   for (const std::uint32_t group : alive) push(group);
 
-  while (!queue.empty() && queue.top().score <= options.lost - groups.lost()) {
+  while (!queue.empty() && queue.top().score <= options.lost - groups.lost() &&
+         (near == nullptr || groups.alive().size() > near->few_groups)) {
     const Entry top = queue.top();
     queue.pop();
     if (!groups.is_alive(top.group) || age[top.group] != top.group_age) continue;
@@ -81,19 +101,44 @@ void merge_pairs(RowGroups& groups, const GroupingOptions& options) {
     groups.merge(into, from);
     ++age[into];
     found[from] = {};
+    if (near != nullptr) {
+      near->of_group[into].insert(near->of_group[into].end(), near->of_group[from].begin(),
+                                  near->of_group[from].end());
+      near->of_group[from] = {};
+    }
     search(into, several);
     push(into);
     if (options.progress) options.progress(groups.lost(), options.lost);
   }
 }
 
+NearLists near_rows(const RowGroups& groups, const GroupingOptions& options, const PairGroupingOptions& how) {
+  const SparsePoints points(transpose(groups.kinds()), false);
+  const NeighbourLists lists =
+      near_points(points, {.neighbours = most_found, .exact_seconds = 0, .seed = options.seed},
+                  options.threads)
+          .lists;
+  NearLists near{std::vector<std::vector<std::uint32_t>>(points.size()), how.few_groups};
+  for (std::size_t p = 0; p < near.of_group.size(); ++p) {
+    for (std::size_t n = p * lists.per_point; n < (p + 1) * lists.per_point; ++n) {
+      if (lists.ids[n] != no_point) near.of_group[p].push_back(lists.ids[n]);
+    }
+  }
+  return near;
+}
+
 }  // namespace
 
 Partition group_rows_by_pairs(const VisibilityMatrix& matrix, const GroupingOptions& options,
-                              std::uint32_t rounds) {
+                              const PairGroupingOptions& how) {
   RowGroups groups(matrix, options);
+  if (groups.sparse() && groups.alive().size() > how.few_groups &&
+      all_pairs_cost(groups.kinds()).by_index > 1e9 * how.exact_seconds) {
+    NearLists near = near_rows(groups, options, how);
+    merge_pairs(groups, options, &near);
+  }
   merge_pairs(groups, options);
-  for (std::uint32_t round = 0; round < rounds && groups.exchange() > 0; ++round)
+  for (std::uint32_t round = 0; round < how.rounds && groups.exchange() > 0; ++round)
     merge_pairs(groups, options);
   return groups.partition();
 }

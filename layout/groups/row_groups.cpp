@@ -137,19 +137,32 @@ void RowGroups::search_by_size(std::uint32_t group, Best& best) const {
   }
 }
 
+// `shared` is how many columns the two have in common.
+void RowGroups::look_at(std::uint32_t group, std::uint32_t other, std::uint64_t shared, Best& best) const {
+  const std::uint64_t alone = size_[other] - shared;
+  const Pair pair = {rows_[group] * alone + rows_[other] * (size_[group] - shared), other};
+  if (pair >= best.limit() || other == group) return;
+  if (size_[group] + alone <= std::min(most_[group], most_[other]) && has_room(group, other))
+    best.offer(pair);
+}
+
 template <typename Count>
 void RowGroups::search_by_index(std::uint32_t group, Best& best, unsigned threads) const {
   const std::vector<Count> common = sets_.common<Count>(sets_.list(group), threads);
-  const std::uint64_t in_group = rows_[group], ones = size_[group];
-  Pair limit = best.limit();
-  for (const std::uint32_t other : alive_) {
-    const std::uint64_t shared = common[sets_.slot(other)], alone = size_[other] - shared;
-    const Pair pair = {in_group * alone + rows_[other] * (ones - shared), other};
-    if (pair >= limit || other == group) continue;
-    if (ones + alone > std::min(most_[group], most_[other]) || !has_room(group, other)) continue;
-    best.offer(pair);
-    limit = best.limit();
-  }
+  for (const std::uint32_t other : alive_) look_at(group, other, common[sets_.slot(other)], best);
+}
+
+std::vector<RowGroups::Pair> RowGroups::best_among(std::uint32_t group, std::span<const std::uint32_t> kinds,
+                                                   std::uint32_t most) const {
+  std::vector<std::uint32_t> others;
+  for (const std::uint32_t kind : kinds) others.push_back(group_of_kind_[kind]);
+  std::ranges::sort(others);
+  const auto repeats = std::ranges::unique(others);
+  others.erase(repeats.begin(), repeats.end());
+  const std::vector<std::uint32_t> common = sets_.common_with(group, others);
+  Best best(most);
+  for (std::size_t i = 0; i < others.size(); ++i) look_at(group, others[i], common[i], best);
+  return best.take();
 }
 
 void RowGroups::merge(std::uint32_t into, std::uint32_t from) {

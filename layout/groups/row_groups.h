@@ -49,6 +49,11 @@ class RowGroups {
     const std::vector<Pair> best = best_partners(group, 1);
     return best.empty() ? Pair{} : best.front();
   }
+  /// The same among the groups that these distinct rows are in now. Only if sparse().
+  std::vector<Pair> best_among(std::uint32_t group, std::span<const std::uint32_t> kinds,
+                               std::uint32_t most) const;
+  /// The distinct rows, by the groups' numbers at first.
+  const VisibilityMatrix& kinds() const { return kinds_; }
   /// The second becomes part of the first. Their score must be bounded.
   void merge(std::uint32_t into, std::uint32_t from);
   /// Moves each distinct row in turn, where that regains occlusions, to the group where it regains most. Returns how
@@ -62,6 +67,7 @@ class RowGroups {
   struct Lost;
   class Best;
   void search_by_size(std::uint32_t group, Best& best) const;
+  void look_at(std::uint32_t group, std::uint32_t other, std::uint64_t shared, Best& best) const;
   template <typename Count>
   void search_by_index(std::uint32_t group, Best& best, unsigned threads) const;
   Pair best_home(std::uint32_t kind, std::uint64_t regained) const;

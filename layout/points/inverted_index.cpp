@@ -50,4 +50,10 @@ AllPairsCost all_pairs_cost(std::uint32_t sets, std::span<const std::uint32_t> s
   return cost;
 }
 
+AllPairsCost all_pairs_cost(const VisibilityMatrix& rows) {
+  std::vector<std::uint32_t> of_column(rows.shape().columns, 0);
+  for (const std::uint32_t c : rows.ids()) ++of_column[c];
+  return all_pairs_cost(rows.shape().rows, of_column);
+}
+
 }  // namespace vismat

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "matrix/visibility_matrix.h"
+
 namespace vismat {
 
 /// For each id the sets that have it. What one set has in common with every other takes one addition for each two
@@ -49,5 +51,7 @@ struct AllPairsCost {
 };
 /// `sets_with_id` has the number of sets for each id.
 AllPairsCost all_pairs_cost(std::uint32_t sets, std::span<const std::uint32_t> sets_with_id);
+/// Of the rows of a matrix.
+AllPairsCost all_pairs_cost(const VisibilityMatrix& rows);
 
 }  // namespace vismat

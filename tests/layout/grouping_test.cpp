@@ -212,20 +212,20 @@ TEST(GroupRowsByPairs, LeavesFewerGroupsWhereRowsMayMove) {
   const VisibilityMatrix matrix = clustered({400, 120}, 12, 12);
   const std::uint64_t most = zeros(matrix) / 20;
   EXPECT_LT(group_rows_by_pairs(matrix, {.lost = most}).groups(),
-            group_rows_by_pairs(matrix, {.lost = most}, 0).groups());
+            group_rows_by_pairs(matrix, {.lost = most}, {.rounds = 0}).groups());
 }
 
 void expect_best_pairs(const VisibilityMatrix& matrix) {
-  Partition before = group_rows_by_pairs(matrix, {.lost = 0}, 0);
+  Partition before = group_rows_by_pairs(matrix, {.lost = 0}, {.rounds = 0});
   EXPECT_EQ(before.groups(), 30u);
   std::uint64_t lost = 0;
   while (before.groups() > 1) {
     const std::uint64_t next = slow_best_score(matrix, before);
     if (next > 0) {
-      EXPECT_EQ(group_rows_by_pairs(matrix, {.lost = lost + next - 1}, 0), before);
+      EXPECT_EQ(group_rows_by_pairs(matrix, {.lost = lost + next - 1}, {.rounds = 0}), before);
     }
     lost += next;
-    const Partition after = group_rows_by_pairs(matrix, {.lost = lost}, 0);
+    const Partition after = group_rows_by_pairs(matrix, {.lost = lost}, {.rounds = 0});
     EXPECT_EQ(loss_of(after, matrix).added, lost);
     EXPECT_LT(after.groups(), before.groups());
     before = after;
@@ -235,6 +235,24 @@ void expect_best_pairs(const VisibilityMatrix& matrix) {
 TEST(GroupRowsByPairs, AlwaysMergesTheBestPair) {
   expect_best_pairs(clustered({30, 70}, 4, 3));
   expect_best_pairs(sparse(30, 4, 3));
+}
+
+TEST(GroupRowsByPairs, LosesNextToNothingAmongNearRows) {
+  const VisibilityMatrix matrix = sparse(1500, 600, 41);
+  const GroupingOptions options{.lost = 60000};
+  const auto near = [&](unsigned threads) {
+    GroupingOptions on = options;
+    on.threads = threads;
+    return group_rows_by_pairs(matrix, on, {.rounds = 1, .exact_seconds = 0, .few_groups = 300});
+  };
+  const Partition exact = group_rows_by_pairs(matrix, options, {.rounds = 1}), groups = near(1);
+  EXPECT_GT(equal_rows(matrix).groups(), 1000u);
+  EXPECT_TRUE(RowGroups(matrix, options).sparse());
+  EXPECT_LE(loss_of(groups, matrix).added, options.lost);
+  EXPECT_NE(groups, exact);
+  EXPECT_LT(static_cast<double>(merge_rows(matrix, groups).ones()),
+            1.01 * static_cast<double>(merge_rows(matrix, exact).ones()));
+  for (const unsigned threads : {2u, 5u}) EXPECT_EQ(near(threads), groups);
 }
 
 class EveryGrouping : public testing::TestWithParam<Grouping> {};
