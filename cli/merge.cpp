@@ -108,7 +108,8 @@ void add_merge(Program& program) {
   for (const Grouping& grouping : groupings())
     methods += (methods.empty() ? "" : "; ") + std::string(grouping.name) + ": " + std::string(grouping.idea);
   verb.option("--method", options->method, "How to choose what is merged. " + methods);
-  verb.option("--seed", options->seed, "Random seed of the method seeds");
+  verb.option("--seed", options->seed,
+              "Random seed of the method seeds, and of what pairs draws among very many rows");
   verb.threads(options->threads);
   verb.flag("--expand", options->expand,
             "Go back from groups to all view cells and objects, each as its group sees or is seen");
