@@ -12,13 +12,14 @@ namespace vismat {
 
 /// How far an encoder may go. The format is the same for all limits.
 struct RowLimits {
-  double microseconds;                       // of decoding any row, modelled
-  std::uint32_t group;                       // rows in a part, at most ModelledRowFormat::largest_group
-  std::uint32_t kept;                        // rows that readers decode at once and keep, at most
+  double microseconds;  // of decoding any row, modelled
+  double mean_rows;     // the same, as a multiple of the mean row's, where rows stay in their order
+  std::uint32_t group;  // rows in a part, at most ModelledRowFormat::largest_group
+  std::uint32_t kept;   // rows that readers decode at once and keep, at most
   const RowWeights* weights = &row_weights;  // only training has others
 };
-inline constexpr RowLimits small_limits{60, 16, 64};
-inline constexpr RowLimits quick_limits{20, 8, 64};
+inline constexpr RowLimits small_limits{60, 40, 16, 64};
+inline constexpr RowLimits quick_limits{19, 12, 8, 64};
 
 struct ModelledRowFormat {
   static constexpr std::uint32_t largest_group = 16;  // rows in a part

@@ -94,11 +94,11 @@ RowCost cost_of_row(Ends a, Ends b, Ends row, std::uint32_t columns, const RowWe
   Nowhere out;
   code_row(counter, a, b, columns, {row.at, false}, changes, out);
   // Measured by 'bench row-speed' on levels' view cells and faces.
-  RowCost cost{counter.units(), .25 + .011 * (a.count + b.count) + .055 * changes, false};
+  RowCost cost{counter.units(), .1 + .011 * (a.count + b.count) + .07 * changes, false};
   BitCounter raw(weights);
   raw.decide(true, raw_row);
   if (const std::uint64_t units = raw.units() + columns * bit_unit; units < cost.units)
-    cost = {units, .25 + .004 * columns, true};
+    cost = {units, .1 + .004 * columns, true};
   return cost;
 }
 

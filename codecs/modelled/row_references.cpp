@@ -107,7 +107,12 @@ class TreePlanner {
     const Lists children = forest_.children(by_name_);
     measure(children);
     std::vector<std::uint32_t> place(forest_.rows(), no_row);
+    std::vector<double> taken(
+        forest_.rows());  // the time to decode a row that is not kept with all that it takes
+    double now = 0;       // the same, of the last row put
     const auto put = [&](std::uint32_t row) {
+      now += forest_.time(row);
+      taken[row] = now;
       place[row] = static_cast<std::uint32_t>(plan.order.size());
       plan.order.push_back(row);
       const std::uint32_t parent = forest_.parent(row);
@@ -135,7 +140,12 @@ class TreePlanner {
     const auto group_from = [&](std::uint32_t root) {
       const std::size_t first = plan.order.size();
       std::vector<std::uint32_t> members, open;
-      const auto room = [&] { return limits_.group - (plan.order.size() - first); };
+      const auto fits = [&](std::uint32_t row) {
+        return size_[row] <= limits_.group - (plan.order.size() - first) &&
+               now + time_below_[row] <= limits_.microseconds;
+      };
+      const std::uint32_t above = forest_.parent(root);
+      now = above == no_row || kept_[above] ? 0 : taken[above];
       put(root);
       members.push_back(root);
       // The path down, as long as the group's share for it lasts.
@@ -146,7 +156,7 @@ class TreePlanner {
         put(row);
         members.push_back(row);
       }
-      // What hangs off it and fits as a whole, the smallest first; then anything else begins a group of its own.
+      // What hangs off it and fits as a whole, within the limit of time, the smallest first; then anything else begins a group of its own.
       struct Hanging {
         std::uint32_t size, row;
       };
@@ -168,7 +178,7 @@ class TreePlanner {
       };
       std::vector<std::uint32_t> later;
       for (const Hanging& h : hanging) {
-        if (h.size <= room())
+        if (fits(h.row))
           put_all(h.row);
         else
           later.push_back(h.row);
@@ -232,13 +242,16 @@ class TreePlanner {
       down.insert(down.end(), children[down[i]].begin(), children[down[i]].end());
     height_.assign(forest_.rows(), 0);
     size_.assign(forest_.rows(), 1);
+    time_below_.assign(forest_.rows(), 0);
     for (std::size_t i = down.size(); i-- > 0;) {
       const std::uint32_t r = down[i];
       for (const std::uint32_t child : children[r]) {
         height_[r] = std::max(height_[r], height_[child]);
         size_[r] += size_[child];
+        time_below_[r] += time_below_[child];
       }
       height_[r] += forest_.time(r);
+      time_below_[r] += forest_.time(r);
     }
   }
   // The time of the row and of the rows that are not kept above it.
@@ -248,8 +261,8 @@ class TreePlanner {
     return sum;
   }
   static constexpr double unbounded = 1e300;
-  // A group's rows beside the path cost time as well.
-  double longest() const { return limits_.microseconds * .75; }
+  // Leaves some time for rows that share a group.
+  double longest() const { return limits_.microseconds * .92; }
   // How many bits more it takes if the row moves under another reference: its own, and those of the rows under it, whose
   // second reference changes.
   std::int64_t extra(std::uint32_t row, std::uint32_t reference, std::int64_t enough) const {
@@ -402,7 +415,7 @@ class TreePlanner {
   Lists near_;
   Lists children_;                 // of no_row at the end
   std::vector<std::int64_t> now_;  // the units that each row takes
-  std::vector<double> height_;
+  std::vector<double> height_, time_below_;
   std::vector<std::uint32_t> size_;
 };
 
@@ -416,6 +429,11 @@ RowPlan plan_in_order(const VisibilityMatrix& matrix, const RowEnds& ends, const
   std::iota(plan.order.begin(), plan.order.end(), 0u);
   const auto near = near_rows(matrix, ends, names_of(ends), candidates_per_row(ends), threads);
   Forest forest(ends, *limits.weights);
+  // Differences between view cells are much shorter than rows of view cells, and read more often.
+  double sum = 0;
+  for (std::uint32_t r = 0; r < rows; ++r)
+    sum += forest.cost(r, near[r].empty() ? no_row : near[r][0]).microseconds;
+  const double longest = std::min(limits.microseconds, limits.mean_rows * sum / rows);
   std::vector<double> chain(rows);            // the time of a row and of all that it takes
   std::vector<std::uint32_t> parts(rows);     // that it takes
   std::uint32_t first = 0, outside = no_row;  // of the group
@@ -435,14 +453,13 @@ RowPlan plan_in_order(const VisibilityMatrix& matrix, const RowEnds& ends, const
                                                              : reference == outside ? r - first
                                                                                     : r - 1 - reference);
         const double time = chain[r - 1] + cost.microseconds;
-        if (time <= limits.microseconds && units < best.units)
+        if (time <= longest && units < best.units)
           best = {units, reference, true, cost.raw, time, parts[r - 1]};
       }
       const std::uint64_t units = cost.units + new_group;
       const double time = (reference == no_row ? 0 : chain[reference]) + cost.microseconds;
       const std::uint32_t count = 1 + (reference == no_row ? 0 : parts[reference]);
-      if ((reference == no_row ||
-           (time <= limits.microseconds && count <= ModelledRowFormat::longest_chain)) &&
+      if ((reference == no_row || (time <= longest && count <= ModelledRowFormat::longest_chain)) &&
           units < best.units)
         best = {units, reference, false, cost.raw, time, count};
     };
