@@ -157,8 +157,7 @@ std::vector<RowGroups::Pair> RowGroups::best_among(std::uint32_t group, std::spa
   std::vector<std::uint32_t> others;
   for (const std::uint32_t kind : kinds) others.push_back(group_of_kind_[kind]);
   std::ranges::sort(others);
-  const auto repeats = std::ranges::unique(others);
-  others.erase(repeats.begin(), repeats.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
   const std::vector<std::uint32_t> common = sets_.common_with(group, others);
   Best best(most);
   for (std::size_t i = 0; i < others.size(); ++i) look_at(group, others[i], common[i], best);
@@ -236,10 +235,11 @@ std::uint64_t RowGroups::exchange() {
     const std::uint64_t regained = std::uint64_t{rows_[from] - in_kind} * sets_.alone(k, from) +
                                    std::uint64_t{in_kind} * (size_[from] - ones);
     if (regained == 0) continue;
-    const auto [lost, to] = best_home(k, regained);
+    const Pair home = best_home(k, regained);
+    const std::uint32_t to = home.partner;
     if (to == none) continue;
 
-    lost_ -= regained - lost;
+    lost_ -= regained - home.score;
     if (!room_.empty()) {
       sets_.each_difference(ids, to, [&](std::uint32_t c, bool in_kind_alone) {
         room_[c] -= in_kind_alone ? rows_[to] : in_kind;
