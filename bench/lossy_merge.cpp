@@ -127,14 +127,6 @@ std::vector<Codec> codecs_here(const std::vector<std::string>& names) {
   return codecs;
 }
 
-std::vector<std::string> known_codecs(std::vector<std::string> names) {
-  const std::vector<Codec> codecs = all_codecs();
-  std::erase_if(names, [&](const std::string& name) {
-    return codec_named(name, codecs) == nullptr && codec_named(name, program_codecs()) == nullptr;
-  });
-  return names;
-}
-
 MergeSide merge_side(std::string_view name) {
   if (name == "cells") return MergeSide::rows;
   if (name == "objects") return MergeSide::columns;

@@ -56,9 +56,6 @@ Code code_of(const Codec& codec, const Merge& merge, const VisibilityMatrix& ori
 /// Those of the named codecs that this machine has: programs may be missing.
 std::vector<Codec> codecs_here(const std::vector<std::string>& names);
 
-/// Those of the names that are names of codecs, for lists that are written before each of their codecs is.
-std::vector<std::string> known_codecs(std::vector<std::string> names);
-
 /// "cells", "objects" or "both".
 MergeSide merge_side(std::string_view name);
 

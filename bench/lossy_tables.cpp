@@ -25,10 +25,10 @@ struct LossyTablesOptions {
   std::filesystem::path csv;
   std::vector<double> lost = {0, .005, .01, .02, .05, .1, .2};
   std::vector<std::string> methods = {"pairs"}, sides = {"cells", "objects", "both"};
-  std::vector<std::string> node_codecs =
-      known_codecs({"zach3-huffman", "zach3-range", "zach4-huffman", "zach4-range", "rows-small"});
-  std::vector<std::string> codecs = known_codecs(
-      {"rows-small", "rows-quick", "rows-fast-ids", "bv", "pair-ans", "delimiter", "xz", "jbig1"});
+  std::vector<std::string> node_codecs = {"zach3-huffman", "zach3-range", "zach4-huffman", "zach4-range",
+                                          "rows-small"};
+  std::vector<std::string> codecs = {"rows-small", "rows-quick", "rows-fast-ids", "bv", "pair-ans",
+                                     "delimiter",  "xz",         "jbig1"};
   double max_per_cell = 1;
   bool append = false, no_lossless = false;
 };

@@ -26,7 +26,7 @@ octree() { "$bench" octree-tables --csv "$part/octree.csv" --levels "$@"; }
 
 steps() {
   local scene places=3 cells=2 rays=1e7 octree_levels=4 level=()
-  if [ -n "$full" ]; then places=16 cells=8 rays=1e9 octree_levels=6; fi
+  if [ -n "$full" ]; then places=8 cells=4 rays=1e9 octree_levels=6; fi
   if [ -n "$(present oa_koth1)" ]; then level=("$(level oa_koth1)"); fi
   step --beside 'what accuracy depends on and where producers fail' failures $places
   for scene in dense-city box-city tilted-boxes soup plant "${level[@]}"; do
