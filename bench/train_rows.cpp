@@ -70,7 +70,7 @@ class DecisionList {
   std::vector<Decision> decisions_;
 };
 
-struct Subject {
+struct TrainingMatrix {
   std::string name;
   VisibilityMatrix matrix;  // as it is coded, but for the order of rows
   bool rows_move;
@@ -78,14 +78,14 @@ struct Subject {
 
 constexpr std::array both_limits = {&small_limits, &quick_limits};
 
-VisibilityMatrix in_order(const Subject& subject, const RowLimits& limits) {
+VisibilityMatrix in_order(const TrainingMatrix& subject, const RowLimits& limits) {
   const auto [rows, columns] = subject.matrix.shape();
   if (!subject.rows_move) return subject.matrix;
   return permute(subject.matrix, order_for_references(subject.matrix, limits, 0),
                  Permutation::identity(columns));
 }
 
-std::vector<Decision> decisions_of(const Subject& subject, const RowWeights& weights) {
+std::vector<Decision> decisions_of(const TrainingMatrix& subject, const RowWeights& weights) {
   DecisionList list;
   for (RowLimits limits : {small_limits, quick_limits}) {
     limits.weights = &weights;
@@ -96,7 +96,7 @@ std::vector<Decision> decisions_of(const Subject& subject, const RowWeights& wei
   return list.decisions();
 }
 
-std::uint64_t bytes_of(const Subject& subject, const RowLimits& built_in, const RowWeights& weights) {
+std::uint64_t bytes_of(const TrainingMatrix& subject, const RowLimits& built_in, const RowWeights& weights) {
   RowLimits limits = built_in;
   limits.weights = &weights;
   return encode_modelled_rows(in_order(subject, limits), limits, 0).bytes();
@@ -163,7 +163,7 @@ void fill_untrained(std::vector<float>& weights, const std::vector<std::vector<D
   }
 }
 
-RowWeights train(const std::vector<const Subject*>& subjects, const TrainOptions& options) {
+RowWeights train(const std::vector<const TrainingMatrix*>& subjects, const TrainOptions& options) {
   std::vector<bool> without(row_weight_count);
   for (const std::string& name : options.without) {
     const auto found =
@@ -176,7 +176,7 @@ RowWeights train(const std::vector<const Subject*>& subjects, const TrainOptions
   for (unsigned round = 0; round < options.rounds; ++round) {
     const RowWeights now = rounded(weights);
     std::vector<std::vector<Decision>> lists;
-    for (const Subject* subject : subjects) lists.push_back(decisions_of(*subject, now));
+    for (const TrainingMatrix* subject : subjects) lists.push_back(decisions_of(*subject, now));
     fit(weights, lists, without);
     weights[raw_row] = -7.9f;
     if (round + 1 == options.rounds) fill_untrained(weights, lists);
@@ -238,9 +238,9 @@ constinit const std::array<std::uint16_t, 1024> chance_of_sum = [] {
 )";
 }
 
-Subject subject_of(const std::filesystem::path& file, bool as_is) {
+TrainingMatrix subject_of(const std::filesystem::path& file, bool as_is) {
   Dataset data = read_dataset(file);
-  Subject subject{matrix_name(file), {}, data.source.boundaries.empty()};
+  TrainingMatrix subject{matrix_name(file), {}, data.source.boundaries.empty()};
   if (!as_is) {
     Codec codec = find_codec("rows-small");
     codec.row_order = nullptr;
@@ -251,7 +251,7 @@ Subject subject_of(const std::filesystem::path& file, bool as_is) {
 }
 
 // The level that a matrix is of: what stands before the first dot.
-std::string level_of(const Subject& subject) {
+std::string level_of(const TrainingMatrix& subject) {
   return subject.name.substr(0, subject.name.find('.'));
 }
 
@@ -261,9 +261,9 @@ void run(const TrainOptions& options) {
         ideas.end())
       throw std::invalid_argument("--without " + name + ": there are shape, recent, lengths and left");
   }
-  std::vector<Subject> subjects;
+  std::vector<TrainingMatrix> subjects;
   for (const auto& file : options.files) subjects.push_back(subject_of(file, options.as_is));
-  const auto report = [](const Subject& subject, const RowWeights& weights) {
+  const auto report = [](const TrainingMatrix& subject, const RowWeights& weights) {
     std::printf("%-40s %9u x %-9u", subject.name.c_str(), subject.matrix.shape().rows,
                 subject.matrix.shape().columns);
     for (const RowLimits* limits : both_limits)
@@ -273,25 +273,25 @@ void run(const TrainOptions& options) {
   };
   std::printf("%-40s %9s   %-9s %10s %10s\n", "matrix", "rows", "columns", "small", "quick");
   if (!options.leave_out) {
-    std::vector<const Subject*> all;
-    for (const Subject& subject : subjects) all.push_back(&subject);
+    std::vector<const TrainingMatrix*> all;
+    for (const TrainingMatrix& subject : subjects) all.push_back(&subject);
     const RowWeights weights = train(all, options);
-    for (const Subject& subject : subjects) report(subject, weights);
+    for (const TrainingMatrix& subject : subjects) report(subject, weights);
     const std::string source = source_of(weights);
     if (!options.out.empty()) write_file(options.out, std::as_bytes(std::span(source)));
     return;
   }
   std::vector<std::string> levels;
-  for (const Subject& subject : subjects) levels.push_back(level_of(subject));
+  for (const TrainingMatrix& subject : subjects) levels.push_back(level_of(subject));
   std::ranges::sort(levels);
   levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   for (const std::string& level : levels) {
-    std::vector<const Subject*> others;
-    for (const Subject& subject : subjects) {
+    std::vector<const TrainingMatrix*> others;
+    for (const TrainingMatrix& subject : subjects) {
       if (level_of(subject) != level) others.push_back(&subject);
     }
     const RowWeights weights = train(others, options);
-    for (const Subject& subject : subjects) {
+    for (const TrainingMatrix& subject : subjects) {
       if (level_of(subject) == level) report(subject, weights);
     }
   }

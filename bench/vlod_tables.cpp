@@ -49,14 +49,14 @@ struct VlodTablesOptions {
   std::filesystem::path csv;
 };
 
-struct Subject {
+struct DeltaMatrix {
   std::string name;
   VisibilityMatrix lists;
   std::uint32_t lists_of_difference = 1;
 };
 
 // Whole rows, which lead into a view cell from outside, are no differences.
-Subject read(const std::filesystem::path& file) {
+DeltaMatrix read(const std::filesystem::path& file) {
   const Dataset data = read_dataset(file);
   if (data.source.boundaries.empty()) return {matrix_name(file), data.matrix};
   std::vector<std::uint64_t> offsets = {0};
@@ -127,7 +127,7 @@ void print(const std::string& code, double bitmask, double pairs, double bytes, 
   std::fflush(stdout);
 }
 
-void measure(const Subject& subject, const VlodTablesOptions& options, std::string& csv) {
+void measure(const DeltaMatrix& subject, const VlodTablesOptions& options, std::string& csv) {
   for (const std::string& order : options.orders) {
     const VisibilityMatrix matrix = permute(subject.lists, Permutation::identity(subject.lists.shape().rows),
                                             order_of(subject.lists, order));

@@ -42,13 +42,13 @@ struct WalkDeltasOptions {
 };
 
 // Cells with what a walk through them needs.
-struct Place {
+struct WalkPlace {
   std::string name;
   VisibilityMatrix cells, passages;
   std::vector<Box> cell_boxes, column_boxes;
 };
 
-Place read_place(const std::string& where) {
+WalkPlace read_place(const std::string& where) {
   if (!is_hdf5(where)) {
     const Level level = read_level(where);
     if (level.face_ids.empty()) throw std::invalid_argument(where + ": a level without faces");
@@ -96,7 +96,7 @@ void print(const std::string& what, std::vector<std::uint64_t> numbers) {
 
 void run_walk_deltas(const WalkDeltasOptions& options, const std::string& where,
                      std::span<const Codec> codecs, std::string& csv) {
-  const Place place = read_place(where);
+  const WalkPlace place = read_place(where);
   const auto way = walk_cells(place.passages, place.cell_boxes, options.steps, options.seed);
   Deltas deltas = deltas_of(place.cells, place.passages);
   const auto crossings = crossings_of(deltas, place.cells, way);
