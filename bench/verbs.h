@@ -23,6 +23,7 @@ void add_panne_search(const Verb& verb);
 void add_peer_pvs(const Verb& verb);
 void add_row_failures(const Verb& verb);
 void add_row_speed(const Verb& verb);
+void add_row_study(const Verb& verb);
 void add_speed(const Verb& verb);
 void add_train_rows(const Verb& verb);
 void add_visibility_failures(const Verb& verb);
