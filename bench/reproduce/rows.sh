@@ -5,7 +5,7 @@
 # compare MATRIX...: bytes of zpaq in the natural order, to which all others are compared, and every codec in the best order. Each
 # payload is decoded and compared with the matrix.
 compare() {
-  "$vismat" compare --orders natural --codecs zpaq,xz --seconds 0 --csv "$part/natural.csv" "$@"
+  "$vismat" compare --orders natural --codecs zpaq --seconds 0 --csv "$part/natural.csv" "$@"
   "$vismat" compare --orders best --seconds .1 --csv "$part/best.csv" "$@"
 }
 
@@ -70,6 +70,29 @@ speed() {
   rm "$part/ordered.bsp.h5"
 }
 
+# small_level FOLDER: the matrices that the studies take, of a level of 762 clusters and one of 435 sectors.
+small_level() {
+  local place kind
+  place=$(level oa_spirit3)
+  for kind in cells faces; do "$vismat" import "$place" --matrix $kind --tree none -o "$1/oa_spirit3.$kind.bsp.h5"; done
+  "$vismat" deltas "$1/oa_spirit3.cells.bsp.h5" -o "$1/oa_spirit3.deltas.bsp.h5"
+  "$bench" octants "$place" --octants 1000 --view-cells 800 -o "$1/oa_spirit3.octants.bsp.h5"
+  "$vismat" import "$(level MAP10)" --matrix cells --tree none -o "$1/MAP10.sectors.bsp.h5"
+}
+
+# study FOLDER: what each part of rows-small and rows-quick buys, what the bits are, wrong orders and wrong entries; and what they
+# take if they are trained on these matrices without one of the contexts.
+study() {
+  local idea
+  small_level "$1"
+  "$bench" row-study "$1"/*.bsp.h5 --out "$part"
+  echo 'matrix,without,small,quick' >"$part/training.csv"
+  for idea in '' shape recent lengths left; do
+    "$bench" train-rows --rounds 2 ${idea:+--without $idea} "$1"/*.bsp.h5 |
+      awk -v idea="${idea:-nothing}" 'NR > 1 { print $1 "," idea "," $5 "," $6 }' >>"$part/training.csv"
+  done
+}
+
 # one_level PACKAGE PLACE: a step for a level of a package. Levels of one name may be in several.
 one_level() {
   local file=${2%%:*} name=${2##*:}
@@ -93,6 +116,7 @@ steps() {
     step "view cells of $name" make_matrix "$name"
     step "every codec: $name" artificial "$name"
   done
+  if [ "$(present oa_spirit3 MAP10 | wc -l)" = 2 ]; then step 'study of rows-small and rows-quick' in_folder study; fi
   for name in $(present oa_koth1.cells oa_koth1.faces); do step "speed of single rows: $name" speed "$name"; done
 }
 

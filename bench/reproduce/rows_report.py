@@ -15,6 +15,7 @@ import numpy
 import pandas as pd
 
 import report_tools as tools
+import rows_study
 from report_tools import BLUE, GREY, RED, legend_below, panels, plain_ticks
 from vlod_report import COLOURS, label_apart
 
@@ -26,9 +27,13 @@ MAIN = [FAMILIES[name] for name in ("cells", "faces", "octants")]
 
 @dataclass
 class Results:
-    """The tables as `vismat compare` and bench row-speed wrote them; codecs with their families and ratios."""
-    best: pd.DataFrame          # vismat compare, best order
-    speed: pd.DataFrame | None  # bench row-speed
+    """The tables as `vismat compare` and verbs of bench wrote them; codecs with their families and ratios."""
+    best: pd.DataFrame                # vismat compare, best order
+    speed: pd.DataFrame | None        # bench row-speed
+    ablation: pd.DataFrame | None     # bench row-study: bytes without parts of the method
+    bits: pd.DataFrame | None         # bench row-study: bytes by what they are spent on
+    sensitivity: pd.DataFrame | None  # bench row-study: wrong orders, wrong entries
+    training: pd.DataFrame | None     # bench train-rows: bytes without contexts
 
     @property
     def families(self):
@@ -54,7 +59,7 @@ def load(out):
     for rival, column in (("xz", "of_xz"), ("quake-rle", "of_quake"), ("roaring", "of_roaring")):
         best[column] = best.bytes / bytes_of(best, rival)
     best["ids_s"] = best.ones / best.decode_s
-    return Results(best, read("speed"))
+    return Results(best, *map(read, ("speed", "ablation", "bits", "sensitivity", "training")))
 
 
 def mean(values):
@@ -200,7 +205,7 @@ def draw_front(results, columns=2):
         axes.set(xscale="log", yscale="log", xlabel="one row, 99th percentile, us", ylabel="bytes, in multiples of zpaq's")
         axes.set_title(f"{family} ({results.best[results.best.family == family].matrix.nunique()})".replace("\n", " "), fontsize=10, loc="left")
         plain_ticks(axes.yaxis, "", (1, 2, 5))
-        plain_ticks(axes.xaxis, "", (1, 2, 5))
+        plain_ticks(axes.xaxis, "", (1,) if points.x.max() > 1e4 * points.x.min() else (1, 2, 5))
         axes.margins(x=.18)
         all_labels.append((axes, [(x, y, codec, COLOURS[origin[codec]]) for codec, x, y in points.itertuples()] +
                            [(axes.get_xlim()[0], y, codec, COLOURS[origin[codec]]) for codec, y in whole.items()]))
@@ -214,7 +219,8 @@ def draw_front(results, columns=2):
     return figure
 
 
-CHARTS = {"rows_front": ("Bytes against the time of a single row by families of matrices, geometric means over each family's matrices. The order of rows and columns is the best one", draw_front, ["best"])}
+CHARTS = {"rows_front": ("Bytes against the time of a single row by families of matrices, geometric means over each family's matrices. The order of rows and columns is the best one", draw_front, ["best"]),
+          **rows_study.CHARTS}
 
 
 # ---- the page --------------------------------------------------------------------------------------------------------------
@@ -240,6 +246,7 @@ def sections(results):
                                    ("Bytes, of those of Roaring in the same order", table_by_family(results, "of_roaring", alone=True))])
     forms = [("Single rows in random order, checked as they are read, by the form in which they are asked for", table_of_forms(results))] if results.speed is not None else []
     yield "Speed", "", [("Million ids a second in sequence; a single row in us, 99th percentile", table_of_speed(results)), *forms]
+    yield from rows_study.sections(results)
 
 
 def main(out="out", records=None):

@@ -29,11 +29,13 @@ declare -A place_of=(
   [ctf_inyard]=openarena-081-maps/pak1-maps.pk3
   [czest2ctf]=openarena-081-maps/pak1-maps.pk3
   [czest3ctf]=openarena-081-maps/pak1-maps.pk3
+  [oa_spirit3]=openarena-081-maps/pak1-maps.pk3
   [oasago2]=openarena-081-maps/pak1-maps.pk3
   [ctf_compromise]=openarena-085-data/pak6-patch085.pk3
   [oa_thor]=openarena-088-data/pak6-patch088.pk3
   [E1M1]=freedoom/freedoom1.wad
   [MAP01]=freedoom/freedoom2.wad
+  [MAP10]=freedoom/freedoom2.wad
 )
 
 # level NAME: where the level lies, as vismat reads it.

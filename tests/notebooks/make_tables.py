@@ -80,6 +80,14 @@ def main(vismat, bench, out):
         level = ROOT / "tests/data/fuzz/quake3_bsp/tiny"
         run("octants of a level", bench, "octants", level, "--octants", 20, "--view-cells", 30, "--rays", 20, "-o", out / "tiny_level.bsp.h5")
         run("rows, natural", vismat, "compare", "--seconds", 0, "--codecs", "zpaq", "--csv", rows / "natural.csv", octants, cells)
+        run("row study", bench, "row-study", "--out", rows, "--flipped", ".01,.05", "--codecs", "rows-small,pair-huffman-shared,quake-rle", cells)
+        lines = ["matrix,without,small,quick"]
+        for idea in ("nothing", "recent"):
+            run(f"trained without {idea}", bench, "train-rows", "--rounds", 1, *(("--without", idea) if idea != "nothing" else ()), cells)
+            for line in (told / f"trained without {idea}.txt").read_text().splitlines()[1:]:
+                name, *_, small, quick = line.split()
+                lines.append(f"{name},{idea},{small},{quick}")
+        (rows / "training.csv").write_text("\n".join(lines) + "\n")
         run("rows", vismat, "compare", "--seconds", 0, "--orders", "best", "--codecs", "pair-ans,quake-rle,roaring,xz", "--csv", rows / "best.csv", octants, cells)
 
     (layout / "disk_walk.csv").write_text(walk())

@@ -11,6 +11,7 @@ import pages
 sys.path.insert(0, str(pages.ROOT / "bench/reproduce"))
 import rows_report
 
+CHARTS = 5
 WANTED = ("rows-small", "rows-quick", "rows-fast-ids", "rows-fast-bits")
 
 
@@ -66,8 +67,39 @@ class Rows(pages.Pages):
         self.assertEqual(table["cells x cells"]["roaring"], "-")
         self.assertNotEqual(table["cells x cells"]["quake-rle"], "-")
 
+    def test_bits_add_up_to_the_bytes(self):
+        whole = {(row["matrix"], row["codec"]): float(row["bytes"]) for row in self.rows("rows/ablation") if row["without"] == "nothing"}
+        parts = {}
+        for row in self.rows("rows/bits"):
+            parts.setdefault((row["matrix"], row["codec"]), []).append(float(row["bytes"]))
+            self.assertGreaterEqual(float(row["bytes"]), 0, row)
+        self.assertEqual(set(parts), set(whole))
+        self.assertEqual(len(whole), 2)
+        for key, of in parts.items():
+            self.assertAlmostEqual(sum(of), whole[key], delta=.01)
+
+    def test_parts_orders_and_entries_tell(self):
+        taken = {(row["matrix"], row["codec"], row["without"]): float(row["bytes"]) for row in self.rows("rows/ablation")}
+        for matrix, codec, without in taken:
+            if without in ("second reference", "references", "groups"):
+                self.assertGreater(taken[matrix, codec, without], taken[matrix, codec, "nothing"])
+        trained = {row["without"]: int(row["small"]) for row in self.rows("rows/training")}
+        self.assertNotEqual(trained["recent"], trained["nothing"])
+        taken = {(row["matrix"], row["codec"], row["flipped"], row["order"]): int(row["bytes"]) for row in self.rows("rows/sensitivity")}
+        for matrix, codec, flipped, order in taken:
+            if codec in ("rows-small", "pair-huffman-shared"):
+                best = taken[matrix, codec, "0", "best"]
+                if flipped == "0" and order == "random":
+                    self.assertGreater(taken[matrix, codec, flipped, order], best)
+                if flipped != "0":
+                    self.assertGreater(taken[matrix, codec, flipped, order], best)
+                    self.assertGreater(taken[matrix, codec, "0.05", order], taken[matrix, codec, "0.01", order])
+
+    def test_notebook_draws_all_charts(self):
+        self.execute("rows", CHARTS, ("view cells x octants", "rows in the tree&#x27;s order", "where\nnew ends are", "best\nof every second row", "5.0% flipped"))
+
     def test_report_needs_no_other_file_and_is_kept(self):
-        self.report("rows", 1, ("view cells x octants", "pair-ans", "of those of zpaq -m5", "quake-rle"))
+        self.report("rows", CHARTS, ("view cells x octants", "pair-ans", "of those of zpaq -m5", "quake-rle"))
 
 
 if __name__ == "__main__":
