@@ -191,7 +191,7 @@ def draw_front(results, columns=2):
     """Bytes against the time of a row, a panel for each family; the whole-file codecs that are smallest as lines."""
     all_p99, all_bytes = by_family(results, "row_p99_us", alone=True), by_family(results, "of_zpaq")
     origin = results.best.drop_duplicates("codec").set_index("codec").origin
-    figure, all_axes = panels(len(results.families), columns, 7.2, 5)
+    figure, all_axes = panels(len(results.families), columns, 7.2, 5.8)
     all_labels = []
     for axes, family in zip(all_axes, results.families):
         points = pd.DataFrame({"x": all_p99[family], "y": all_bytes[family]}).dropna()
