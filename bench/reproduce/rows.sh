@@ -107,7 +107,7 @@ steps() {
       while read -r place; do one_level "$package" "$place"; done < <(every_level "$package" echo)
     done
   else
-    for name in $(present oa_koth1 ctf_compromise E1M1 MAP01); do step "level $name" level_of "$name" "$(level "$name")"; done
+    for name in $(present E1M1 MAP10 oa_spirit3 oa_koth1); do step "level $name" level_of "$name" "$(level "$name")"; done
   fi
   for name in dense-city plant; do step "octants of $name" octants_of "$name"; done
   step 'objects of dense-city by see' see_of dense-city "$([ -n "$full" ] && echo 20 || echo 8)"
@@ -120,4 +120,4 @@ steps() {
   for name in $(present oa_koth1.cells oa_koth1.faces); do step "speed of single rows: $name" speed "$name"; done
 }
 
-if [ -n "$full" ]; then run_steps; else run_steps openarena-081-maps openarena-085-data freedoom; fi
+if [ -n "$full" ]; then run_steps; else run_steps openarena-081-maps freedoom; fi
