@@ -7,7 +7,7 @@
 // modelled time of a row with all that it takes rather than the length of the chain. The first rows, up to 64, are
 // decoded when the file is opened: they are the top of the tree, and cost a row that hangs below them nothing.
 //
-// TRIED AND WORSE is in docs/codecs.md, "Modelled rows".
+// TRIED AND WORSE is in docs/codecs.md, "Rows under similar rows".
 #include "codecs/modelled/modelled_rows.h"
 
 #include <atomic>
