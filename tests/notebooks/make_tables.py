@@ -94,7 +94,7 @@ def main(vismat, bench, out):
     both([  # the longest first
         (run, "producers", bench, "visibility-tables", "--csv", visibility / "tables.csv", "--places", 1, "--cells", 1, "tilted-boxes"),
         (run, "compare", vismat, "compare", "--seconds", 0, "--orders", "natural,best", "--csv", vlod / "compare.csv", city_1, differences),
-        (run, "lossy failures", bench, "lossy-failures", "--lost", .2, "--seeds", 2, "--size", 60, "--out", lossy, city_1),
+        (run, "lossy failures", bench, "lossy-failures", "--lost", .2, "--seeds", 2, "--size", 60, "--out", lossy, objects, city_1),
         (of_merging,),
         (of_rows_alone,),
         (of_rows,),
