@@ -157,8 +157,8 @@ TEST(FastIds, TakesClassesForWhatIsFrequent) {
 }
 
 TEST(FastBits, SharesWhatRowsHaveInCommon) {
-  const auto row = test::clustered_matrix({30, 5000}, 3).row(29);
-  const Ids ids(row.begin(), row.end());
+  const VisibilityMatrix matrix = test::clustered_matrix({30, 5000}, 3);
+  const Ids ids(matrix.row(29).begin(), matrix.row(29).end());
   const auto bytes_of = [](const std::vector<Ids>& rows) {
     return Parts(detail::encode_rows<FastBitRows>(VisibilityMatrix::from_rows(rows, 5000), {}, {}))
         .part_bytes(0);
