@@ -336,6 +336,7 @@ Codec modelled(std::string_view name, std::string_view contents) {
   codec.encode = [](const VisibilityMatrix& matrix, const Side&, const EncodeOptions& options) {
     return encode_modelled_rows(matrix, limits, options.threads);
   };
+  codec.slow_encode = true;
   codec.row_order = [](const VisibilityMatrix& matrix, const EncodeOptions& options) {
     return order_for_references(matrix, limits, options.threads);
   };
