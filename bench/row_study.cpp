@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/row_matrices.h"
 #include "bench/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/modelled/row_encoder.h"
@@ -91,12 +92,6 @@ class SpentCounter {
   std::array<std::uint64_t, spent_on.size()> units_{};
 };
 
-struct RowTier {
-  const char* codec;
-  const RowLimits* limits;
-};
-constexpr std::array row_tiers = {RowTier{"rows-small", &small_limits}, RowTier{"rows-quick", &quick_limits}};
-
 std::string bits_of(const std::string& name, const VisibilityMatrix& matrix, const RowTier& tier) {
   const RowEncoder encoder(matrix, *tier.limits, 0);
   SpentCounter counter;
@@ -120,21 +115,8 @@ std::string bits_of(const std::string& name, const VisibilityMatrix& matrix, con
 
 // ---- what each part buys ---------------------------------------------------------------------------------------------
 
-VisibilityMatrix rows_ordered(const VisibilityMatrix& matrix, const Permutation& rows) {
-  return permute(matrix, rows, Permutation::identity(matrix.shape().columns));
-}
-
 VisibilityMatrix columns_ordered(const VisibilityMatrix& matrix, const Permutation& columns) {
   return permute(matrix, Permutation::identity(matrix.shape().rows), columns);
-}
-
-// Rows that may move are in the order of their references.
-VisibilityMatrix in_own_order(const VisibilityMatrix& matrix, const RowLimits& limits, bool rows_move) {
-  return rows_move ? rows_ordered(matrix, order_for_references(matrix, limits, 0)) : matrix;
-}
-
-std::uint64_t bytes_within(const VisibilityMatrix& matrix, const RowLimits& limits, bool rows_move) {
-  return encode_modelled_rows(in_own_order(matrix, limits, rows_move), limits, 0).bytes();
 }
 
 // The units that all rows take more if the second reference of each is the empty row; references stay as they are.
@@ -243,15 +225,9 @@ Permutation of_groups(const Permutation& order, const Partition& groups) {
   return Permutation::from_old_of_new(std::move(visits));
 }
 
-struct StudiedMatrix {
-  std::string name;
-  bool rows_move;           // differences stay in the order of their boundaries
-  VisibilityMatrix matrix;  // as it is in the file
-};
-
 // `once` has equal rows and columns once; `other` is null or has the columns that `subject` has.
-std::string sensitivity_of(const StudiedMatrix& subject, const VisibilityMatrix& once,
-                           const StudiedMatrix* other, const StudyOptions& options) {
+std::string sensitivity_of(const RowMatrix& subject, const VisibilityMatrix& once, const RowMatrix* other,
+                           const StudyOptions& options) {
   const auto [rows, columns] = once.shape();
   Sensitivity table{options, subject.name, subject.rows_move};
   const auto in_order_of = [&](double share, const char* order, const VisibilityMatrix& matrix,
@@ -282,10 +258,9 @@ std::string sensitivity_of(const StudiedMatrix& subject, const VisibilityMatrix&
 // ---- the verb --------------------------------------------------------------------------------------------------------
 
 // The first of the others that is of the same level and has as many columns.
-const StudiedMatrix* other_of(const StudiedMatrix& subject, const std::vector<StudiedMatrix>& all) {
-  const auto level = [](const StudiedMatrix& of) { return of.name.substr(0, of.name.find('.')); };
-  const auto found = std::ranges::find_if(all, [&](const StudiedMatrix& other) {
-    return &other != &subject && level(other) == level(subject) &&
+const RowMatrix* other_of(const RowMatrix& subject, const std::vector<RowMatrix>& all) {
+  const auto found = std::ranges::find_if(all, [&](const RowMatrix& other) {
+    return &other != &subject && level_of(other) == level_of(subject) &&
            other.matrix.shape().columns == subject.matrix.shape().columns;
   });
   return found == all.end() ? nullptr : &*found;
@@ -294,12 +269,12 @@ const StudiedMatrix* other_of(const StudiedMatrix& subject, const std::vector<St
 void run(const StudyOptions& options) {
   std::string ablation = "matrix,codec,without,bytes\n", bits = "matrix,codec,kind,bytes\n",
               sensitivity = "matrix,flipped,order,codec,bytes\n";
-  std::vector<StudiedMatrix> subjects;
+  std::vector<RowMatrix> subjects;
   for (const auto& file : options.files) {
     Dataset data = read_dataset(file);
     subjects.push_back({matrix_name(file), data.source.boundaries.empty(), std::move(data.matrix)});
   }
-  for (const StudiedMatrix& subject : subjects) {
+  for (const RowMatrix& subject : subjects) {
     std::printf("%s\n", subject.name.c_str());
     std::fflush(stdout);
     VisibilityMatrix once = subject.matrix;

@@ -11,11 +11,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "bench/row_matrices.h"
 #include "bench/verbs.h"
 #include "codecs/baselines/baseline_codecs.h"
 #include "codecs/modelled/row_encoder.h"
@@ -37,14 +37,14 @@ struct TrainOptions {
 
 // The contexts that --without may take away, each with the places of its weights.
 struct Idea {
-  const char *name, *what;
+  const char* name;
   std::uint32_t begin, end;
 };
 constexpr std::array ideas = {
-    Idea{"shape", "what the references do in and around a segment", copy_shape, copy_recent},
-    Idea{"recent", "the last outcomes and how many segments changed of late", copy_recent, copy_lengths},
-    Idea{"lengths", "the lengths of a segment and of the one before", copy_lengths, copy_left},
-    Idea{"left", "how many of the segments left change", copy_left, all_shape},
+    Idea{"shape", copy_shape, copy_recent},     // what the references do in and around a segment
+    Idea{"recent", copy_recent, copy_lengths},  // the last outcomes and how many segments changed of late
+    Idea{"lengths", copy_lengths, copy_left},   // the lengths of a segment and of the one before
+    Idea{"left", copy_left, all_shape},         // how many of the segments left change
 };
 
 struct Decision {
@@ -70,36 +70,22 @@ class DecisionList {
   std::vector<Decision> decisions_;
 };
 
-struct TrainingMatrix {
-  std::string name;
-  VisibilityMatrix matrix;  // as it is coded, but for the order of rows
-  bool rows_move;
-};
-
-constexpr std::array both_limits = {&small_limits, &quick_limits};
-
-VisibilityMatrix in_order(const TrainingMatrix& subject, const RowLimits& limits) {
-  const auto [rows, columns] = subject.matrix.shape();
-  if (!subject.rows_move) return subject.matrix;
-  return permute(subject.matrix, order_for_references(subject.matrix, limits, 0),
-                 Permutation::identity(columns));
-}
-
-std::vector<Decision> decisions_of(const TrainingMatrix& subject, const RowWeights& weights) {
+std::vector<Decision> decisions_of(const RowMatrix& subject, const RowWeights& weights) {
   DecisionList list;
-  for (RowLimits limits : {small_limits, quick_limits}) {
+  for (const RowTier& tier : row_tiers) {
+    RowLimits limits = *tier.limits;
     limits.weights = &weights;
-    const RowEncoder encoder(in_order(subject, limits), limits, 0);
+    const RowEncoder encoder(in_own_order(subject.matrix, limits, subject.rows_move), limits, 0);
     encoder.code_model(list);
     for (const Group& group : encoder.groups()) encoder.code_group(list, group);
   }
   return list.decisions();
 }
 
-std::uint64_t bytes_of(const TrainingMatrix& subject, const RowLimits& built_in, const RowWeights& weights) {
+std::uint64_t bytes_of(const RowMatrix& subject, const RowLimits& built_in, const RowWeights& weights) {
   RowLimits limits = built_in;
   limits.weights = &weights;
-  return encode_modelled_rows(in_order(subject, limits), limits, 0).bytes();
+  return bytes_within(subject.matrix, limits, subject.rows_move);
 }
 
 RowWeights rounded(const std::vector<float>& weights) {
@@ -163,7 +149,7 @@ void fill_untrained(std::vector<float>& weights, const std::vector<std::vector<D
   }
 }
 
-RowWeights train(const std::vector<const TrainingMatrix*>& subjects, const TrainOptions& options) {
+RowWeights train(const std::vector<const RowMatrix*>& subjects, const TrainOptions& options) {
   std::vector<bool> without(row_weight_count);
   for (const std::string& name : options.without) {
     const auto found =
@@ -176,7 +162,7 @@ RowWeights train(const std::vector<const TrainingMatrix*>& subjects, const Train
   for (unsigned round = 0; round < options.rounds; ++round) {
     const RowWeights now = rounded(weights);
     std::vector<std::vector<Decision>> lists;
-    for (const TrainingMatrix* subject : subjects) lists.push_back(decisions_of(*subject, now));
+    for (const RowMatrix* subject : subjects) lists.push_back(decisions_of(*subject, now));
     fit(weights, lists, without);
     weights[raw_row] = -7.9f;
     if (round + 1 == options.rounds) fill_untrained(weights, lists);
@@ -238,9 +224,9 @@ constinit const std::array<std::uint16_t, 1024> chance_of_sum = [] {
 )";
 }
 
-TrainingMatrix subject_of(const std::filesystem::path& file, bool as_is) {
+RowMatrix subject_of(const std::filesystem::path& file, bool as_is) {
   Dataset data = read_dataset(file);
-  TrainingMatrix subject{matrix_name(file), {}, data.source.boundaries.empty()};
+  RowMatrix subject{matrix_name(file), data.source.boundaries.empty(), {}};
   if (!as_is) {
     Codec codec = find_codec("rows-small");
     codec.row_order = nullptr;
@@ -250,48 +236,38 @@ TrainingMatrix subject_of(const std::filesystem::path& file, bool as_is) {
   return subject;
 }
 
-// The level that a matrix is of: what stands before the first dot.
-std::string level_of(const TrainingMatrix& subject) {
-  return subject.name.substr(0, subject.name.find('.'));
-}
-
 void run(const TrainOptions& options) {
-  for (const std::string& name : options.without) {
-    if (std::ranges::find(ideas, name, [](const Idea& idea) { return std::string(idea.name); }) ==
-        ideas.end())
-      throw std::invalid_argument("--without " + name + ": there are shape, recent, lengths and left");
-  }
-  std::vector<TrainingMatrix> subjects;
+  std::vector<RowMatrix> subjects;
   for (const auto& file : options.files) subjects.push_back(subject_of(file, options.as_is));
-  const auto report = [](const TrainingMatrix& subject, const RowWeights& weights) {
+  const auto report = [](const RowMatrix& subject, const RowWeights& weights) {
     std::printf("%-40s %9u x %-9u", subject.name.c_str(), subject.matrix.shape().rows,
                 subject.matrix.shape().columns);
-    for (const RowLimits* limits : both_limits)
-      std::printf(" %10llu", static_cast<unsigned long long>(bytes_of(subject, *limits, weights)));
+    for (const RowTier& tier : row_tiers)
+      std::printf(" %10llu", static_cast<unsigned long long>(bytes_of(subject, *tier.limits, weights)));
     std::printf("\n");
     std::fflush(stdout);
   };
   std::printf("%-40s %9s   %-9s %10s %10s\n", "matrix", "rows", "columns", "small", "quick");
   if (!options.leave_out) {
-    std::vector<const TrainingMatrix*> all;
-    for (const TrainingMatrix& subject : subjects) all.push_back(&subject);
+    std::vector<const RowMatrix*> all;
+    for (const RowMatrix& subject : subjects) all.push_back(&subject);
     const RowWeights weights = train(all, options);
-    for (const TrainingMatrix& subject : subjects) report(subject, weights);
+    for (const RowMatrix& subject : subjects) report(subject, weights);
     const std::string source = source_of(weights);
     if (!options.out.empty()) write_file(options.out, std::as_bytes(std::span(source)));
     return;
   }
   std::vector<std::string> levels;
-  for (const TrainingMatrix& subject : subjects) levels.push_back(level_of(subject));
+  for (const RowMatrix& subject : subjects) levels.push_back(level_of(subject));
   std::ranges::sort(levels);
   levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   for (const std::string& level : levels) {
-    std::vector<const TrainingMatrix*> others;
-    for (const TrainingMatrix& subject : subjects) {
+    std::vector<const RowMatrix*> others;
+    for (const RowMatrix& subject : subjects) {
       if (level_of(subject) != level) others.push_back(&subject);
     }
     const RowWeights weights = train(others, options);
-    for (const TrainingMatrix& subject : subjects) {
+    for (const RowMatrix& subject : subjects) {
       if (level_of(subject) == level) report(subject, weights);
     }
   }
@@ -310,8 +286,9 @@ void add_train_rows(const Verb& verb) {
       "Report each level's bytes under weights that were trained on the other levels; a level is what stands "
       "before the first dot of a file's name");
   verb.option("--rounds", options->rounds, "How often to plan and to fit");
-  verb.option("--without", options->without, "Ideas to leave out: shape, recent, lengths, left")
-      .comma_separated();
+  std::vector<std::string> names;
+  for (const Idea& idea : ideas) names.emplace_back(idea.name);
+  verb.option("--without", options->without, "Contexts to leave out").comma_separated().one_of(names);
   verb.example("bench train-rows *.bsp.h5 --out codecs/modelled/row_tables.cpp");
   verb.runs([options] { run(*options); });
 }
