@@ -83,15 +83,26 @@ std::vector<std::uint64_t> names_of(const RowEnds& ends) {
   return names;
 }
 
+struct NamedRows {
+  std::vector<std::uint64_t> names;
+  Lists near;  // near rows of each
+};
+
+NamedRows named_rows(const VisibilityMatrix& matrix, const RowEnds& ends, unsigned threads) {
+  NamedRows rows{names_of(ends), {}};
+  rows.near = near_rows(matrix, ends, rows.names, candidates_per_row(ends), threads);
+  return rows;
+}
+
 class TreePlanner {
  public:
-  TreePlanner(const VisibilityMatrix& matrix, const RowEnds& ends, const RowLimits& limits, unsigned threads)
+  TreePlanner(const RowEnds& ends, NamedRows rows, const RowLimits& limits)
       : limits_(limits),
-        names_(names_of(ends)),
+        names_(std::move(rows.names)),
         forest_(ends, *limits.weights),
         kept_(ends.rows()),
-        by_name_(ends.rows()) {
-    near_ = near_rows(matrix, ends, names_, candidates_per_row(ends), threads);
+        by_name_(ends.rows()),
+        near_(std::move(rows.near)) {
     std::iota(by_name_.begin(), by_name_.end(), 0u);
     std::ranges::sort(by_name_, [&](std::uint32_t a, std::uint32_t b) { return before(a, b); });
     grow();
@@ -420,14 +431,12 @@ class TreePlanner {
 };
 
 // References among earlier rows, in the order in which rows stand.
-RowPlan plan_in_order(const VisibilityMatrix& matrix, const RowEnds& ends, const RowLimits& limits,
-                      unsigned threads) {
+RowPlan plan_in_order(const RowEnds& ends, const Lists& near, const RowLimits& limits) {
   constexpr std::uint64_t new_group = 28 * bit_unit;
   const std::uint32_t rows = ends.rows();
   RowPlan plan;
   plan.order.resize(rows);
   std::iota(plan.order.begin(), plan.order.end(), 0u);
-  const auto near = near_rows(matrix, ends, names_of(ends), candidates_per_row(ends), threads);
   Forest forest(ends, *limits.weights);
   // Differences between view cells are much shorter than rows of view cells, and read more often.
   double sum = 0;
@@ -488,13 +497,15 @@ RowPlan plan_in_order(const VisibilityMatrix& matrix, const RowEnds& ends, const
 
 Permutation order_for_references(const VisibilityMatrix& matrix, const RowLimits& limits, unsigned threads) {
   const RowEnds ends(matrix);
-  return Permutation::from_old_of_new(TreePlanner(matrix, ends, limits, threads).plan().order);
+  return Permutation::from_old_of_new(
+      TreePlanner(ends, named_rows(matrix, ends, threads), limits).plan().order);
 }
 
 RowPlan plan_rows(const VisibilityMatrix& matrix, const RowEnds& ends, const RowLimits& limits,
                   unsigned threads) {
-  RowPlan plan = TreePlanner(matrix, ends, limits, threads).plan();
-  return std::ranges::is_sorted(plan.order) ? plan : plan_in_order(matrix, ends, limits, threads);
+  const NamedRows rows = named_rows(matrix, ends, threads);
+  RowPlan plan = TreePlanner(ends, rows, limits).plan();
+  return std::ranges::is_sorted(plan.order) ? plan : plan_in_order(ends, rows.near, limits);
 }
 
 }  // namespace vismat
