@@ -68,11 +68,19 @@ FrequencyTable FrequencyTable::read(ByteReader& in, std::uint32_t symbols) {
   return from_scaled(scaled);
 }
 
+void carry_into(std::vector<std::byte>& out, std::size_t begin) {
+  std::size_t i = out.size();
+  while (i > begin && out[--i] == std::byte{0xff}) out[i] = std::byte{0};
+  out[i] = static_cast<std::byte>(std::to_integer<unsigned>(out[i]) + 1);
+}
+
+void drop_last_zeros(std::vector<std::byte>& out, std::size_t begin) {
+  while (out.size() > begin && out.back() == std::byte{0}) out.pop_back();
+}
+
 void RangeEncoder::shift() {
   if (low_ >> 32 != 0) {
-    std::size_t i = out_.size();
-    while (i > begin_ && out_[--i] == std::byte{0xff}) out_[i] = std::byte{0};
-    out_[i] = static_cast<std::byte>(std::to_integer<unsigned>(out_[i]) + 1);
+    carry_into(out_, begin_);
     low_ &= 0xffffffff;
   }
   out_.push_back(static_cast<std::byte>(low_ >> 24));
@@ -94,7 +102,7 @@ void RangeEncoder::finish() {
     }
   }
   for (int i = 0; i < 4; ++i) shift();
-  while (out_.size() > begin_ && out_.back() == std::byte{0}) out_.pop_back();
+  drop_last_zeros(out_, begin_);
 }
 
 void RangeDecoder::no_symbol() {

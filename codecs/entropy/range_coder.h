@@ -33,6 +33,11 @@ class FrequencyTable {
   std::vector<std::uint16_t> symbol_of_place_;
 };
 
+/// Adds one to the number that a range coder wrote from byte `begin` on.
+void carry_into(std::vector<std::byte>& out, std::size_t begin);
+/// Removes the zeros at the end of what it wrote, which its reader supplies.
+void drop_last_zeros(std::vector<std::byte>& out, std::size_t begin);
+
 /// `low` is 40 bits of the code value that are not yet sent, plus a carry; `range` is at least 2^24 before each symbol.
 class RangeEncoder {
  public:

@@ -2,12 +2,6 @@
 
 namespace vismat {
 
-void BinaryWriter::carry() {
-  std::size_t i = out_.size();
-  while (i > begin_ && out_[--i] == std::byte{0xff}) out_[i] = std::byte{0};
-  out_[i] = static_cast<std::byte>(std::to_integer<unsigned>(out_[i]) + 1);
-}
-
 void BinaryWriter::finish() {
   for (unsigned keep = 0; keep <= 64; keep += 8) {  // the shortest value in [low, low + range)
     const std::uint64_t mask = keep == 64 ? 0 : ~std::uint64_t{0} >> keep, above = (0 - low_) & mask;
@@ -17,7 +11,7 @@ void BinaryWriter::finish() {
   }
   for (unsigned shift = 64; shift > 0; shift -= 8)
     out_.push_back(static_cast<std::byte>(low_ >> (shift - 8)));
-  while (out_.size() > begin_ && out_.back() == std::byte{0}) out_.pop_back();
+  drop_last_zeros(out_, begin_);
 }
 
 // What remains of the code value is the distance of the writer's last value from its low. So the value that it chose is

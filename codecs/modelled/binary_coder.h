@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "codecs/entropy/range_coder.h"
 #include "matrix/base/byte_reader.h"
 
 namespace vismat {
@@ -37,7 +38,7 @@ class BinaryWriter {
  private:
   void narrow(std::uint64_t start, std::uint64_t size) {
     low_ += start;
-    if (low_ < start) carry();
+    if (low_ < start) carry_into(out_, begin_);
     range_ = size;
   }
   void renew() {
@@ -48,7 +49,6 @@ class BinaryWriter {
       range_ <<= 32;
     }
   }
-  void carry();
   std::vector<std::byte>& out_;
   std::size_t begin_;
   std::uint64_t low_ = 0, range_ = ~std::uint64_t{0};

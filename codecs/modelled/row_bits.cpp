@@ -50,11 +50,6 @@ const Costs& costs() {
   return made;
 }
 
-struct Nowhere {
-  void room(std::uint32_t) {}
-  void to(std::uint32_t, std::uint32_t) {}
-};
-
 }  // namespace
 
 std::uint64_t BitCounter::of_decision(bool bit, int sum) {
@@ -91,7 +86,7 @@ RowCost cost_of_row(Ends a, Ends b, Ends row, std::uint32_t columns, const RowWe
   const std::uint32_t changes = changed_segments(a, b, row, columns);
   BitCounter counter(weights);
   counter.decide(false, raw_row);
-  Nowhere out;
+  NoOut out;
   code_row(counter, a, b, columns, {row.at, false}, changes, out);
   // Measured by 'bench row-speed' on levels' view cells and faces.
   RowCost cost{counter.units(), .1 + .011 * (a.count + b.count) + .07 * changes, false};

@@ -75,12 +75,6 @@ std::uint32_t code_reference(Coder& coder, const Group& group, std::uint32_t kep
   return coder.even(1 + kept, target);
 }
 
-/// What code_row and code_raw give to a writer.
-struct NoOut {
-  void room(std::uint32_t) {}
-  void to(std::uint32_t, std::uint32_t) {}
-};
-
 /// Codes a row as its bitmap, 16 columns at a time. Row and out as in code_row.
 template <typename Coder, typename Out>
 void code_raw(Coder& coder, std::uint32_t columns, RowCursor row, Out& out) {

@@ -102,6 +102,12 @@ struct RowCursor {
 /// The number of segments, between the run ends of the references a and b, in which the row differs from a somewhere.
 std::uint32_t changed_segments(Ends a, Ends b, Ends row, std::uint32_t columns);
 
+/// What code_row and code_raw (row_groups.h) give to a writer.
+struct NoOut {
+  void room(std::uint32_t) {}
+  void to(std::uint32_t, std::uint32_t) {}
+};
+
 /// Codes a row of `columns` columns under the references a and b. A writer's coder takes the row from `row`, of which
 /// `changes` segments differ from a; a reader's gives it to `out`, which has
 ///   room(n)          must be called before n calls of to()

@@ -280,10 +280,6 @@ void put(std::vector<std::byte>& out, const Words& a, const Words& b) {
   }
 }
 
-std::size_t varint_bytes(u64 number) {
-  return (static_cast<std::size_t>(std::bit_width(number | 1)) + 6) / 7;
-}
-
 }  // namespace
 
 void FastBitRows::encode_part(const VisibilityMatrix& matrix, std::uint32_t first, std::uint32_t end,

@@ -66,9 +66,7 @@ FastIdRows::Classes FastIdRows::classes_for(std::vector<std::uint32_t>& numbers)
     const auto raw_bytes = [&](std::uint32_t number) {
       return std::ranges::find_if(classes, [&](const Class& c) { return c.holds(number); })->bytes;
     };
-    const auto model_bytes = [](std::uint32_t base) {
-      return 1 + (static_cast<unsigned>(std::bit_width(base)) + 6) / 7;
-    };
+    const auto model_bytes = [](std::uint32_t base) { return 1 + varint_bytes(base); };
     std::vector<std::pair<std::uint64_t, std::uint32_t>> savings;
     std::uint64_t bytes = 0;
     for (const Class& c : classes) bytes += model_bytes(static_cast<std::uint32_t>(c.base));
