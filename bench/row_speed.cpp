@@ -1,11 +1,13 @@
 // Measures what single rows out of a .vmat file cost, with Google Benchmark.
 //
-// It times every row codec in each output form (ids, runs, bits), with warm and with cold caches. Rows come in shuffled order into one buffer, and every
-// row's content is checked within the timed loop (its sum against the row's). Warm: one file, read over and over. Cold:
-// copies of it, three times the last-level cache (at most 768 MB), so that a row comes from memory, its index too. The times are
-// the median and the spread of 7 repetitions. Bytes per second are those of the bitmap, items are ids; of_quake_rle and
-// of_roaring are the codec's bytes to those of these codecs in the same order. open/...: a file of 100 MB in the page cache is
-// mapped, and asked for a row's place in its index.
+// It times every row codec in each output form (ids, runs, bits), read into one buffer: warm, one file over and over, in
+// shuffled order; sequence, the same from the first row to the last; and cold, from shuffled copies of the file, three times
+// the last-level cache (at most 768 MB), so that a row comes from memory, its index too. Before that every row's content is
+// checked (its sum against the row's). The times are the median and the spread of 7 repetitions. Bytes per second are those
+// of the bitmap, items are ids; of_quake_rle and of_roaring are the codec's bytes to those of these codecs in the same order;
+// p50_ns and p99_ns are single rows' times on the wall, less that of reading the clock. memcpy/... copies the same rows,
+// uncompressed: other processes slow it down as they do the codecs. open/...: a file of 100 MB in the page cache is mapped,
+// and asked for a row's place in its index.
 //
 // Without a matrix: 4096 differences over 100,000 columns, about as Chhugani et al. 2005 have them (0.5 % dense, 3 ones in a run,
 // 750 bytes).
@@ -13,12 +15,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,6 +38,7 @@
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/random.h"
 #include "matrix/files/dataset_file.h"
+#include "programs/measuring.h"
 
 namespace vismat::bench {
 namespace {
@@ -55,18 +62,24 @@ std::uint64_t sum_of(std::span<const std::uint32_t> ids) {
   return std::accumulate(ids.begin(), ids.end(), std::uint64_t{0});
 }
 
-// The three forms of a row, each with its buffer, as the sum of the row's ids.
+// The three forms of a row, each with its buffer and the sum of the row's ids.
 struct Ids {
   static constexpr const char* name = "ids";
   RowBuffer<std::uint32_t> buffer;
-  std::uint64_t read(const RowReader& reader, std::uint32_t row) { return sum_of(reader.ids(row, buffer)); }
+  explicit Ids(Shape) {}
+  std::span<const std::uint32_t> read(const RowReader& reader, std::uint32_t row) {
+    return reader.ids(row, buffer);
+  }
+  static std::uint64_t sum(std::span<const std::uint32_t> ids) { return sum_of(ids); }
 };
 struct Runs {
   static constexpr const char* name = "runs";
   RowBuffer<Run> buffer;
-  std::uint64_t read(const RowReader& reader, std::uint32_t row) {
+  explicit Runs(Shape) {}
+  std::span<const Run> read(const RowReader& reader, std::uint32_t row) { return reader.runs(row, buffer); }
+  static std::uint64_t sum(std::span<const Run> runs) {
     std::uint64_t sum = 0;
-    for (const Run run : reader.runs(row, buffer))
+    for (const Run run : runs)
       sum += std::uint64_t{run.first} * run.count + std::uint64_t{run.count} * (run.count - 1) / 2;
     return sum;
   }
@@ -75,9 +88,12 @@ struct Bits {
   static constexpr const char* name = "bits";
   std::vector<std::uint64_t> words;
   RowScratch scratch;
-  std::uint64_t read(const RowReader& reader, std::uint32_t row) {
-    words.resize((reader.shape().columns + 63) / 64);
+  explicit Bits(Shape shape) : words((std::size_t{shape.columns} + 63) / 64) {}
+  std::span<const std::uint64_t> read(const RowReader& reader, std::uint32_t row) {
     reader.bits(row, words, scratch);
+    return words;
+  }
+  static std::uint64_t sum(std::span<const std::uint64_t> words) {
     std::uint64_t sum = 0;  // of the ids in each word, but for what all bits of a word share
     for (std::size_t w = 0; w < words.size(); ++w)
       sum += std::uint64_t{w} * static_cast<std::uint64_t>(std::popcount(words[w]));
@@ -91,15 +107,11 @@ struct Bits {
 };
 
 template <typename Form>
-std::vector<std::uint64_t> expected_sums(const VisibilityMatrix& matrix) {
-  std::vector<std::uint64_t> sums;
-  for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
-    if constexpr (requires { Form::expected(matrix.row(r)); })
-      sums.push_back(Form::expected(matrix.row(r)));
-    else
-      sums.push_back(sum_of(matrix.row(r)));
-  }
-  return sums;
+std::uint64_t expected_sum(std::span<const std::uint32_t> ids) {
+  if constexpr (requires { Form::expected(ids); })
+    return Form::expected(ids);
+  else
+    return sum_of(ids);
 }
 
 std::size_t cache_bytes() {
@@ -107,18 +119,34 @@ std::size_t cache_bytes() {
   return std::clamp<std::size_t>(bytes > 0 ? static_cast<std::size_t>(bytes) : 0, 32u << 20, 256u << 20);
 }
 
+enum class Order { warm, sequence, cold };
+constexpr std::array order_names = {"warm", "sequence", "cold"};
+
+struct Visit {
+  std::uint32_t copy, row;
+};
+
+std::vector<Visit> visits_in(Order order, std::uint32_t copies, std::uint32_t rows) {
+  std::vector<Visit> visits;
+  for (std::uint32_t c = 0; c < copies; ++c) {
+    for (std::uint32_t r = 0; r < rows; ++r) visits.push_back({c, r});
+  }
+  if (order == Order::sequence) return visits;
+  Random random(2);
+  for (std::size_t i = visits.size(); i > 1; --i)
+    std::swap(visits[i - 1], visits[random.below(static_cast<std::uint32_t>(i))]);
+  return visits;
+}
+
 // A codec's file, once or in enough copies to be cold, and the order in which rows are asked for. Made when it is first
 // needed, as Google Benchmark calls a benchmark several times.
 struct Files {
-  struct Visit {
-    std::uint32_t copy, row;
-  };
   std::vector<std::vector<std::byte>> bytes;
   std::vector<RowReader> readers;
   std::vector<Visit> visits;
   double of_quake_rle, of_roaring;  // the codec's bytes to theirs, in the same order
 
-  Files(const Codec& codec, const VisibilityMatrix& matrix, bool cold) {
+  Files(const Codec& codec, const VisibilityMatrix& matrix, Order order) {
     const Container container = compress(matrix, codec);
     const auto ratio_to = [&](const char* other) {
       return static_cast<double>(container.encoded.bytes()) /
@@ -127,55 +155,88 @@ struct Files {
     of_quake_rle = ratio_to("quake-rle");
     of_roaring = ratio_to("roaring");
     const auto file = write_container(container);
-    bytes.assign(cold ? std::min<std::size_t>(4096, 1 + 3 * cache_bytes() / file.size()) : 1, file);
+    bytes.assign(order == Order::cold ? std::min<std::size_t>(4096, 1 + 3 * cache_bytes() / file.size()) : 1,
+                 file);
     RowBuffer<std::uint32_t> buffer;
-    for (std::uint32_t c = 0; c < bytes.size(); ++c) {
-      readers.emplace_back(bytes[c], std::span(&codec, 1));
-      for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
-        visits.push_back({c, r});
-        readers[c].ids(r, buffer);  // checks its blocks
-      }
+    for (const auto& copy : bytes) {
+      readers.emplace_back(copy, std::span(&codec, 1));
+      for (std::uint32_t r = 0; r < matrix.shape().rows; ++r)
+        readers.back().ids(r, buffer);  // checks its blocks
     }
-    Random random(2);
-    for (std::size_t i = visits.size(); i > 1; --i)
-      std::swap(visits[i - 1], visits[random.below(static_cast<std::uint32_t>(i))]);
+    visits = visits_in(order, static_cast<std::uint32_t>(bytes.size()), matrix.shape().rows);
   }
 };
 
 // One set of files at a time is kept: the benchmarks of a codec follow one another.
-const Files& files_of(const Codec& codec, const VisibilityMatrix& matrix, bool cold) {
+const Files& files_of(const Codec& codec, const VisibilityMatrix& matrix, Order order) {
   static std::unique_ptr<Files> files;
   static std::string whose;
-  const std::string name = std::string(codec.name) + (cold ? "/cold" : "/warm");
+  const std::string name = std::string(codec.name) + order_names[static_cast<std::size_t>(order)];
   if (whose != name) {
     files.reset();
-    files = std::make_unique<Files>(codec, matrix, cold);
+    files = std::make_unique<Files>(codec, matrix, order);
     whose = name;
   }
   return *files;
 }
 
-template <typename Form>
-void read_rows(benchmark::State& state, const Codec& codec, const VisibilityMatrix& matrix, bool cold) {
-  const Files& files = files_of(codec, matrix, cold);
-  const auto sums = expected_sums<Form>(matrix);
-  Form form;
-  std::uint64_t ids = 0, bytes = 0;
+// Times read(visit), which returns a span.
+template <typename Read>
+void time_visits(benchmark::State& state, const std::vector<Visit>& visits, const VisibilityMatrix& matrix,
+                 const Read& read) {
   std::size_t next = 0;
-  for (auto _ : state) {
-    const Files::Visit visit = files.visits[next];
-    next = next + 1 == files.visits.size() ? 0 : next + 1;
-    if (form.read(files.readers[visit.copy], visit.row) != sums[visit.row]) {
-      state.SkipWithError("wrong ids");
-      break;
-    }
-    ids += matrix.row(visit.row).size();
-    bytes += row_bytes_of(matrix.shape().columns);
+  const auto read_next = [&] {
+    const auto row = read(visits[next]);
+    benchmark::DoNotOptimize(row.data());
+    benchmark::ClobberMemory();
+    next = next + 1 == visits.size() ? 0 : next + 1;
+  };
+  for (auto _ : state) read_next();
+  const double count = static_cast<double>(state.iterations()) / matrix.shape().rows;
+  state.SetItemsProcessed(static_cast<std::int64_t>(count * static_cast<double>(matrix.ones())));
+  state.SetBytesProcessed(state.iterations() *
+                          static_cast<std::int64_t>(row_bytes_of(matrix.shape().columns)));
+  std::vector<double> clock(1001), times(20000);
+  for (double& t : clock) t = seconds_of([] {});
+  for (double& t : times) t = seconds_of(read_next);
+  for (const auto& [name, share] : {std::pair("p50_ns", .5), std::pair("p99_ns", .99)})
+    state.counters[name] = 1e9 * std::max(0., quantile(times, share) - median(clock));
+}
+
+template <typename Form>
+void read_rows(benchmark::State& state, const Codec& codec, const VisibilityMatrix& matrix, Order order) {
+  const Files& files = files_of(codec, matrix, order);
+  Form form(matrix.shape());
+  for (std::uint32_t r = 0; r < matrix.shape().rows; ++r) {
+    if (Form::sum(form.read(files.readers[0], r)) != expected_sum<Form>(matrix.row(r)))
+      return state.SkipWithError("wrong ids");
   }
-  state.SetItemsProcessed(static_cast<std::int64_t>(ids));
-  state.SetBytesProcessed(static_cast<std::int64_t>(bytes));
+  time_visits(state, files.visits, matrix,
+              [&](Visit visit) { return form.read(files.readers[visit.copy], visit.row); });
   state.counters["of_quake_rle"] = files.of_quake_rle;
   state.counters["of_roaring"] = files.of_roaring;
+}
+
+void copy_ids(benchmark::State& state, const VisibilityMatrix& matrix, Order order) {
+  std::vector<std::uint32_t> ids(matrix.shape().columns);
+  time_visits(state, visits_in(order, 1, matrix.shape().rows), matrix, [&](Visit visit) {
+    const auto row = matrix.row(visit.row);
+    if (!row.empty()) std::memcpy(ids.data(), row.data(), row.size_bytes());
+    return std::span<const std::uint32_t>(ids);
+  });
+}
+
+void copy_bits(benchmark::State& state, const VisibilityMatrix& matrix, Order order) {
+  const auto [rows, columns] = matrix.shape();
+  const std::size_t words = (std::size_t{columns} + 63) / 64;
+  std::vector<std::uint64_t> all(rows * words), copy(words);
+  for (std::uint32_t r = 0; r < rows; ++r) {
+    for (const std::uint32_t id : matrix.row(r)) all[r * words + id / 64] |= std::uint64_t{1} << (id % 64);
+  }
+  time_visits(state, visits_in(order, 1, rows), matrix, [&](Visit visit) {
+    std::memcpy(copy.data(), all.data() + visit.row * words, row_bytes_of(columns));
+    return std::span<const std::uint64_t>(copy);
+  });
 }
 
 // Rows of random bits, which every codec of ours with an escape stores as bitmaps; one row is empty, so that the file has an
@@ -219,22 +280,34 @@ void open_file(benchmark::State& state, const Codec& codec) {
   state.counters["file_bytes"] = static_cast<double>(std::filesystem::file_size(file.path));
 }
 
+template <typename Run>
+void register_rows(std::string_view what, const char* form, Order order, const Run& run) {
+  const std::string name =
+      std::string(what) + "/" + form + "/" + order_names[static_cast<std::size_t>(order)];
+  benchmark::RegisterBenchmark(name.c_str(), run);
+}
+
 template <typename Form>
-void register_form(const Codec& codec, const VisibilityMatrix& matrix, bool cold) {
-  const std::string name = std::string(codec.name) + "/" + Form::name + (cold ? "/cold" : "/warm");
-  benchmark::RegisterBenchmark(name.c_str(), [&codec, &matrix, cold](benchmark::State& state) {
-    read_rows<Form>(state, codec, matrix, cold);
+void register_form(const Codec& codec, const VisibilityMatrix& matrix, Order order) {
+  register_rows(codec.name, Form::name, order, [&codec, &matrix, order](benchmark::State& state) {
+    read_rows<Form>(state, codec, matrix, order);
   });
 }
 
 void run_row_speed(const VisibilityMatrix& matrix) {
   std::vector<Codec> codecs = all_codecs();
   std::erase_if(codecs, [](const Codec& codec) { return !codec.rows_alone(); });
+  for (const Order order : {Order::warm, Order::sequence}) {
+    register_rows("memcpy", Ids::name, order,
+                  [&matrix, order](benchmark::State& state) { copy_ids(state, matrix, order); });
+    register_rows("memcpy", Bits::name, order,
+                  [&matrix, order](benchmark::State& state) { copy_bits(state, matrix, order); });
+  }
   for (const Codec& codec : codecs) {
-    for (const bool cold : {false, true}) {
-      register_form<Ids>(codec, matrix, cold);
-      register_form<Runs>(codec, matrix, cold);
-      register_form<Bits>(codec, matrix, cold);
+    for (const Order order : {Order::warm, Order::sequence, Order::cold}) {
+      register_form<Ids>(codec, matrix, order);
+      register_form<Runs>(codec, matrix, order);
+      register_form<Bits>(codec, matrix, order);
     }
   }
   benchmark::RegisterBenchmark("open/delimiter",
