@@ -31,14 +31,17 @@ void seal(std::span<std::byte> file, std::size_t head_bytes, std::uint64_t body_
 CheckedBytes::CheckedBytes(std::span<const std::byte> body, std::span<const std::byte> sums)
     : body_(body),
       sums_(sums),
-      good_(std::make_unique<std::atomic<std::uint64_t>[]>((blocks_of(body.size()) + 63) / 64)) {}
+      good_(std::make_unique<std::atomic<std::uint8_t>[]>(blocks_of(body.size()))) {}
 
-void CheckedBytes::check(std::uint64_t block) const {
-  if (sum_of_block(body_, block) != number_at<std::uint32_t>(sums_, 4 * block)) {
-    throw FormatError(".vmat: the checksum of bytes " + std::to_string(block * block_bytes) + " on of " +
-                      std::to_string(body_.size()) + " of the body differs: the file is damaged");
+void CheckedBytes::check(std::uint64_t first, std::uint64_t last) const {
+  for (std::uint64_t block = first; block <= last; ++block) {
+    if (is_good(block)) continue;
+    if (sum_of_block(body_, block) != number_at<std::uint32_t>(sums_, 4 * block)) {
+      throw FormatError(".vmat: the checksum of bytes " + std::to_string(block * block_bytes) + " on of " +
+                        std::to_string(body_.size()) + " of the body differs: the file is damaged");
+    }
+    good_[block].store(1, std::memory_order_relaxed);
   }
-  good_[block / 64].fetch_or(std::uint64_t{1} << (block % 64), std::memory_order_relaxed);
 }
 
 }  // namespace vismat

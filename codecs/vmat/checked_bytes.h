@@ -25,20 +25,18 @@ class CheckedBytes {
   std::span<const std::byte> checked(std::span<const std::byte> bytes) const {
     if (bytes.empty()) return bytes;
     const auto begin = static_cast<std::uint64_t>(bytes.data() - body_.data());
-    const std::uint64_t last = (begin + bytes.size() - 1) / block_bytes;
-    for (std::uint64_t b = begin / block_bytes; b <= last; ++b) {
-      if ((good_[b / 64].load(std::memory_order_relaxed) >> (b % 64) & 1) == 0) [[unlikely]]
-        check(b);
-    }
+    const std::uint64_t first = begin / block_bytes, last = (begin + bytes.size() - 1) / block_bytes;
+    if (last - first > 1 || !(is_good(first) && is_good(last))) [[unlikely]]
+      check(first, last);
     return bytes;
   }
 
  private:
-  void check(std::uint64_t block) const;
+  bool is_good(std::uint64_t block) const { return good_[block].load(std::memory_order_relaxed) != 0; }
+  void check(std::uint64_t first, std::uint64_t last) const;
   std::span<const std::byte> body_, sums_;
-  // One bit for each block, set after its check. Blocks never change, so a thread that does not see a bit yet only
-  // checks again.
-  std::unique_ptr<std::atomic<std::uint64_t>[]> good_;
+  // 1 for each block after its check. Blocks never change, so a thread that does not see it yet only checks again.
+  std::unique_ptr<std::atomic<std::uint8_t>[]> good_;
 };
 
 }  // namespace vismat
