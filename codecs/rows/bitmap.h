@@ -21,6 +21,7 @@ VisibilityMatrix matrix_from_bitmap(std::span<const std::byte> bytes, Shape shap
 
 struct BitmapRows {
   static constexpr bool escapes = true;  // every row is its bitmap
+  static constexpr bool writes_all_words = true;
   std::uint32_t columns;
   static BitmapRows fit(const VisibilityMatrix& matrix) { return {matrix.shape().columns}; }
   void write_model(std::vector<std::byte>&) const {}

@@ -19,6 +19,9 @@
 //   void encode_part(const VisibilityMatrix&, std::uint32_t first, std::uint32_t end, std::vector<std::byte>& out)
 //   void write_shared(Encoded&) const                                optional: shared sections and bands
 //
+//   static constexpr bool writes_all_words                           optional: whether a BitSink's words need not be zero before
+//   static constexpr IndexForm index_form                            optional: how the parts are found (part_index.h)
+//
 //   decoding from the row's part alone; thread-safe; Sink: row_sink.h
 //   template <typename Sink> void decode(std::span<const std::byte>, Sink&) const
 //   template <typename Sink> void decode(std::span<const std::byte>, std::uint32_t row_in_part, RowScratch&, Sink&) const
@@ -27,9 +30,11 @@
 //   RowSource::Cost cost(std::uint32_t row, const Parts&) const      what that reads
 #pragma once
 #include <algorithm>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -42,7 +47,7 @@
 
 namespace vismat {
 
-inline std::size_t row_bytes_of(std::uint32_t columns) {
+constexpr std::size_t row_bytes_of(std::uint32_t columns) {
   return (std::size_t{columns} + 7) / 8;
 }
 /// Appends the row's bits, padded to a byte.
@@ -50,6 +55,15 @@ void put_bitmap_row(std::vector<std::byte>& out, std::span<const std::uint32_t> 
 /// Gives the sink the row of exactly row_bytes_of(columns) bytes. Throws FormatError if padding is set.
 template <typename Sink>
 void get_bitmap_row(std::span<const std::byte> bytes, Sink& sink) {
+  if constexpr (std::is_same_v<Sink, BitSink>) {
+    return sink.words([&](std::span<std::uint64_t> words) {
+      if (words.empty()) return;
+      words.back() = 0;
+      std::memcpy(words.data(), bytes.data(), bytes.size());
+      if (sink.columns() % 64 != 0 && words.back() >> (sink.columns() % 64) != 0)
+        throw FormatError("a bitmap with ones behind its last column");
+    });
+  }
   std::uint64_t gap = 0;  // zeros since the last one
   for (std::size_t at = 0; at < bytes.size(); at += 8) {
     std::uint64_t word = word_at(bytes, at);
@@ -85,6 +99,14 @@ constexpr std::uint32_t rows_per_part() {
 }
 
 template <typename Rows>
+constexpr IndexForm index_form() {
+  if constexpr (requires { Rows::index_form; })
+    return Rows::index_form;
+  else
+    return IndexForm::small;
+}
+
+template <typename Rows>
 class RowsOf final : public RowSource {
  public:
   RowsOf(Rows rows, Parts parts) : rows_(std::move(rows)), parts_(std::move(parts)) {}
@@ -96,6 +118,12 @@ class RowsOf final : public RowSource {
   }
   void read(std::uint32_t row, RowScratch& scratch, BitSink& sink) const override {
     decode(row, scratch, sink);
+  }
+  bool writes_all_words() const override {
+    if constexpr (requires { Rows::writes_all_words; })
+      return Rows::writes_all_words;
+    else
+      return false;
   }
   Cost cost(std::uint32_t row) const override {
     if constexpr (requires { rows_.cost(row, parts_); })
@@ -155,7 +183,7 @@ Encoded encode_rows_with(Rows rows, const VisibilityMatrix& matrix) {
     }
   }
   if constexpr (requires { rows.write_shared(out); }) rows.write_shared(out);
-  out.index = part_index_bytes(starts, out.payload.size());
+  out.index = part_index_bytes(starts, out.payload.size(), index_form<Rows>());
   return out;
 }
 

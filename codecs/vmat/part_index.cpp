@@ -15,13 +15,22 @@ PartIndex::Layout::Layout(std::uint64_t parts, std::uint64_t payload_bytes)
   sample_bytes = high_bits >> 32 == 0 ? 4 : 8;
 }
 
-std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t> starts, std::uint64_t payload_bytes) {
+std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t> starts, std::uint64_t payload_bytes,
+                                        IndexForm form) {
   const std::uint64_t parts = starts.size();
   std::vector<std::byte> out;
   put_varint(out, parts);
   bool equal = parts == 0 || payload_bytes % parts == 0;
   for (std::uint64_t i = 0; equal && i < parts; ++i) equal = starts[i] == i * (payload_bytes / parts);
   if (equal) return out;
+  if (form == IndexForm::plain && payload_bytes >> 32 == 0) {
+    out.assign(1 + 4 * (parts + 1), std::byte{0});
+    for (std::uint64_t i = 0; i <= parts; ++i) {
+      const auto place = static_cast<std::uint32_t>(i < parts ? starts[i] : payload_bytes);
+      std::memcpy(out.data() + 1 + 4 * i, &place, sizeof place);
+    }
+    return out;
+  }
   const PartIndex::Layout layout(parts, payload_bytes);
   const std::size_t samples = out.size(), high = samples + layout.samples * layout.sample_bytes,
                     low = high + (layout.high_bits + 7) / 8;
@@ -55,8 +64,16 @@ void PartIndex::open(std::span<const std::byte> head, std::span<const std::byte>
     equal_bytes_ = parts_ == 0 ? 0 : payload_bytes_ / parts_;
     return;
   }
+  if (parts_ == 0) {
+    plain_ = index.subspan(1);
+    parts_ = plain_.size() / 4 - std::min<std::uint64_t>(1, plain_.size() / 4);
+    if (parts_ == 0 || plain_.size() % 4 != 0)
+      in.fail(std::to_string(plain_.size()) + " bytes of plain places; they have 4 bytes each, from 2 on");
+    equal_bytes_.reset();
+    return;
+  }
   // Each part takes a bit or more, which bounds what the layout multiplies.
-  if (parts_ == 0 || parts_ > 8 * index.size())
+  if (parts_ > 8 * index.size())
     in.fail(std::to_string(parts_) + " parts in " + std::to_string(index.size()) + " bytes");
   const Layout layout(parts_, payload_bytes_);
   if (layout.bytes() != index.size() - in.offset()) {
@@ -74,18 +91,20 @@ void PartIndex::open(std::span<const std::byte> head, std::span<const std::byte>
 void PartIndex::check_whole() const {
   if (equal_bytes_) return;
   constexpr auto as_is = [](std::span<const std::byte> bytes) { return bytes; };
+  const bool plain = !plain_.empty();
   std::vector<std::uint64_t> starts;
   starts.reserve(parts_ + 1);
   Words words{high_, 0};
-  std::uint64_t bits = words.first(as_is);
+  std::uint64_t bits = plain ? 0 : words.first(as_is);
   for (std::uint64_t i = 0; i <= parts_; ++i, bits &= bits - 1) {
-    while (bits == 0) bits = words.next(as_is);
-    starts.push_back(number(words.place(bits), i, as_is));
+    while (!plain && bits == 0) bits = words.next(as_is);
+    starts.push_back(plain ? number_at<std::uint32_t>(plain_, 4 * i) : number(words.place(bits), i, as_is));
     if (starts.back() > payload_bytes_ || (i > 0 && starts[i] < starts[i - 1])) refuse();
   }
   if (starts.back() != payload_bytes_) refuse();
   starts.pop_back();
-  if (!std::ranges::equal(part_index_bytes(starts, payload_bytes_), index_)) refuse();
+  const auto form = plain ? IndexForm::plain : IndexForm::small;
+  if (!std::ranges::equal(part_index_bytes(starts, payload_bytes_, form), index_)) refuse();
 }
 
 }  // namespace vismat

@@ -10,6 +10,11 @@
 //   samples   for each of the places 256, 512, ...: the position of its bit in `high`; 4 bytes each, 8 if `high` has 2^32 bits or more
 //   high      n + 1 + (u >> b) bits: for place i, which is s, bit (s >> b) + i is 1
 //   low       (n + 1) b bits: the b lowest bits of each s
+//
+// Codecs that are read every frame trade bytes for time: a plain index, by which a part is found by one load, is
+//
+//   byte      0
+//   places    n + 1 places of 4 bytes each, where n > 0
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -27,8 +32,12 @@
 
 namespace vismat {
 
-/// The index of parts that begin at `starts`, ascending; the last one ends with the payload.
-std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t> starts, std::uint64_t payload_bytes);
+enum class IndexForm { small, plain };
+
+/// The index of parts that begin at `starts`, ascending; the last one ends with the payload. A payload of 2^32 bytes or
+/// more has no plain index.
+std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t> starts, std::uint64_t payload_bytes,
+                                        IndexForm form = IndexForm::small);
 
 /// Reads single places from borrowed bytes. If these are damaged a result may be wrong, but it lies within the payload,
 /// and no byte outside the index is read.
@@ -52,13 +61,15 @@ class PartIndex {
   };
   /// The place of part i < parts(). Calls touch(bytes) for the bytes of the index before it reads them.
   template <typename Touch>
-  Place part(std::uint64_t i, const Touch& touch) const {
-    if (equal_bytes_) return {i * *equal_bytes_, (i + 1) * *equal_bytes_};
-#if defined(__x86_64__)
-    if (simd_ != Simd::none) return find_avx2(i, touch);
-#endif
-    return find(
-        i, touch, [](std::uint64_t word) { return ones_up_to_bytes(word) >> 56; }, from_one);
+  [[gnu::always_inline]] Place part(std::uint64_t i, const Touch& touch) const {
+    if (!plain_.empty()) {
+      const auto both = number_at<std::uint64_t>(touch(plain_.subspan(4 * i, 8)), 0);
+      const std::uint64_t begin = both & 0xffffffff, end = both >> 32;
+      if (begin > end || end > payload_bytes_) [[unlikely]]
+        refuse();
+      return {begin, end};
+    }
+    return part_of_small(i, touch);
   }
   template <typename Touch>
   std::uint64_t model_bytes(const Touch& touch) const {
@@ -68,7 +79,7 @@ class PartIndex {
 
  private:
   static constexpr std::uint64_t sample_step = 256;
-  friend std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t>, std::uint64_t);
+  friend std::vector<std::byte> part_index_bytes(std::span<const std::uint64_t>, std::uint64_t, IndexForm);
   struct Layout {
     Layout(std::uint64_t parts, std::uint64_t payload_bytes);
     unsigned low_bits;
@@ -76,6 +87,15 @@ class PartIndex {
     std::uint64_t bytes() const { return samples * sample_bytes + (high_bits + 7) / 8 + low_bytes; }
   };
   void open(std::span<const std::byte> head, std::span<const std::byte> index);
+  template <typename Touch>
+  Place part_of_small(std::uint64_t i, const Touch& touch) const {
+    if (equal_bytes_) return {i * *equal_bytes_, (i + 1) * *equal_bytes_};
+#if defined(__x86_64__)
+    if (simd_ != Simd::none) return find_avx2(i, touch);
+#endif
+    return find(
+        i, touch, [](std::uint64_t word) { return ones_up_to_bytes(word) >> 56; }, from_one);
+  }
   [[noreturn]] static void refuse() {
     throw FormatError("the index of the parts is damaged");
   }
@@ -220,7 +240,7 @@ class PartIndex {
   std::optional<std::uint64_t> equal_bytes_ = 0;
   unsigned low_bits_ = 0;
   std::uint64_t sample_bytes_ = 0;
-  std::span<const std::byte> index_, samples_, high_, low_;
+  std::span<const std::byte> index_, plain_, samples_, high_, low_;
 };
 
 }  // namespace vismat

@@ -68,6 +68,7 @@ struct RowReader::Open {
   Codec codec;
   std::optional<ObjectTree> tree;  // that the codec needs
   std::unique_ptr<const RowSource> rows;
+  bool writes_all_words = false;
 
   Open(const std::filesystem::path& path, std::span<const Codec> codecs, const Side& boxes)
       : mapping(path),
@@ -92,11 +93,15 @@ struct RowReader::Open {
     Parts parts(head.section(vmat::Section::payload), head.section(vmat::Section::index),
                 shared_sections(head), read_bands(head, body), body);
     rows = codec.open(std::move(parts), head.shape, side);
+    writes_all_words = rows->writes_all_words();
   }
 
   void check(std::uint32_t row) const {
     if (row >= head.shape.rows) [[unlikely]]
-      throw std::out_of_range("row " + std::to_string(row) + " of " + std::to_string(head.shape.rows));
+      refuse(row);
+  }
+  [[noreturn, gnu::noinline]] void refuse(std::uint32_t row) const {
+    throw std::out_of_range("row " + std::to_string(row) + " of " + std::to_string(head.shape.rows));
   }
   template <typename Sink>
   void decode(std::uint32_t row, RowScratch& scratch, Sink sink) const {
@@ -142,19 +147,19 @@ std::string RowReader::facts() const {
 }
 
 std::span<const std::uint32_t> RowReader::ids(std::uint32_t row, RowBuffer<std::uint32_t>& buffer) const {
-  open_->decode(row, buffer, IdSink(buffer, shape().columns, ones()));
+  open_->decode(row, buffer, IdSink(buffer, open_->head.shape.columns, open_->head.ones));
   return buffer.content();
 }
 std::span<const Run> RowReader::runs(std::uint32_t row, RowBuffer<Run>& buffer) const {
-  open_->decode(row, buffer, RunSink(buffer, shape().columns, ones()));
+  open_->decode(row, buffer, RunSink(buffer, open_->head.shape.columns, open_->head.ones));
   return buffer.content();
 }
 void RowReader::bits(std::uint32_t row, std::span<std::uint64_t> words, RowScratch& scratch) const {
-  const std::size_t need = (std::size_t{shape().columns} + 63) / 64;
+  const std::size_t need = (std::size_t{open_->head.shape.columns} + 63) / 64;
   if (words.size() < need)
     throw std::length_error(std::to_string(words.size()) + " words for a row of " + std::to_string(need));
-  std::fill_n(words.begin(), need, 0);
-  open_->decode(row, scratch, BitSink(words, shape().columns, ones()));
+  if (!open_->writes_all_words) std::fill_n(words.begin(), need, 0);
+  open_->decode(row, scratch, BitSink(words, open_->head.shape.columns, open_->head.ones));
 }
 RowSource::Cost RowReader::cost(std::uint32_t row) const {
   open_->check(row);

@@ -232,7 +232,7 @@ class RunSink : public RowPlace {
   std::size_t size_ = 0;
 };
 
-/// Sets bit c % 64 of word c / 64. The words must be zero and hold all columns.
+/// Sets bit c % 64 of word c / 64. The words must hold all columns, and be zero unless words() is called.
 class BitSink : public RowPlace {
  public:
   BitSink(std::span<std::uint64_t> words, std::uint32_t columns, std::uint64_t most)
@@ -255,8 +255,8 @@ class BitSink : public RowPlace {
     pass(column - next(), 1);
     words_[column / 64] |= std::uint64_t{1} << (column % 64);
   }
-  /// For decoders of whole words: write(words) gets all words of the row, which are zero, and sets its bits, none behind
-  /// the last column. Nothing may come before or after it.
+  /// For decoders of whole words: write(words) gets all words of the row and writes them, no ones behind the last
+  /// column. Nothing may come before or after it.
   template <typename Write>
   void words(const Write& write) {
     const std::span<std::uint64_t> all(words_, (std::size_t{columns()} + 63) / 64);

@@ -23,6 +23,8 @@ class RowSource {
   virtual void read(std::uint32_t row, RowScratch&, IdSink&) const = 0;
   virtual void read(std::uint32_t row, RowScratch&, RunSink&) const = 0;
   virtual void read(std::uint32_t row, RowScratch&, BitSink&) const = 0;
+  /// Whether every word of a BitSink is written, so that they need not be zero before.
+  virtual bool writes_all_words() const { return false; }
   /// What reading a row alone reads of the payload. Rows that share their bytes cost all of these.
   struct Cost {
     std::uint64_t bytes = 0, parts = 0;

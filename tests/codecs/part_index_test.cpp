@@ -15,8 +15,9 @@ namespace {
 using Piece = std::span<const std::byte>;
 constexpr auto as_is = [](Piece bytes) { return bytes; };
 
-void expect_reads_back(const std::vector<std::uint64_t>& starts, std::uint64_t payload_bytes) {
-  const auto bytes = part_index_bytes(starts, payload_bytes);
+void expect_reads_back(const std::vector<std::uint64_t>& starts, std::uint64_t payload_bytes,
+                       IndexForm form) {
+  const auto bytes = part_index_bytes(starts, payload_bytes, form);
   for (const Simd simd : test::simd_here()) {
     const PartIndex index(bytes, payload_bytes, as_is, simd);
     index.check_whole();
@@ -31,26 +32,33 @@ void expect_reads_back(const std::vector<std::uint64_t>& starts, std::uint64_t p
   }
 }
 
+void expect_reads_back(const std::vector<std::uint64_t>& starts, std::uint64_t payload_bytes) {
+  for (const IndexForm form : {IndexForm::small, IndexForm::plain})
+    expect_reads_back(starts, payload_bytes, form);
+}
+
 // What part() reads it has announced: a byte that is read before its block's checksum may be damaged.
 TEST(PartIndex, AnnouncesAllThatItReads) {
   std::vector<std::uint64_t> starts(2000);
   Random random(4);
   for (std::size_t i = 1; i < starts.size(); ++i) starts[i] = starts[i - 1] + random.below(300);
   const std::uint64_t all = starts.back() + 7;
-  const auto bytes = part_index_bytes(starts, all);
-  for (const Simd simd : test::simd_here()) {
-    const PartIndex plain(bytes, all, as_is, simd);
-    for (std::uint64_t i = 0; i < starts.size(); i += 37) {
-      std::vector<Piece> announced;
-      plain.part(i, [&](Piece piece) { return announced.emplace_back(piece); });
-      std::vector<std::byte> other(bytes.size());
-      for (std::size_t b = 0; b < bytes.size(); ++b) other[b] = ~bytes[b];
-      for (std::size_t b = 0; b < std::min<std::size_t>(bytes.size(), 10); ++b) other[b] = bytes[b];
-      for (const Piece piece : announced)
-        std::ranges::copy(piece, other.begin() + (piece.data() - bytes.data()));
-      const auto [begin, end] = PartIndex(other, all, as_is, simd).part(i, as_is);
-      EXPECT_EQ(begin, starts[i]);
-      EXPECT_EQ(end, i + 1 < starts.size() ? starts[i + 1] : all);
+  for (const IndexForm form : {IndexForm::small, IndexForm::plain}) {
+    const auto bytes = part_index_bytes(starts, all, form);
+    for (const Simd simd : test::simd_here()) {
+      const PartIndex plain(bytes, all, as_is, simd);
+      for (std::uint64_t i = 0; i < starts.size(); i += 37) {
+        std::vector<Piece> announced;
+        plain.part(i, [&](Piece piece) { return announced.emplace_back(piece); });
+        std::vector<std::byte> other(bytes.size());
+        for (std::size_t b = 0; b < bytes.size(); ++b) other[b] = ~bytes[b];
+        for (std::size_t b = 0; b < std::min<std::size_t>(bytes.size(), 10); ++b) other[b] = bytes[b];
+        for (const Piece piece : announced)
+          std::ranges::copy(piece, other.begin() + (piece.data() - bytes.data()));
+        const auto [begin, end] = PartIndex(other, all, as_is, simd).part(i, as_is);
+        EXPECT_EQ(begin, starts[i]);
+        EXPECT_EQ(end, i + 1 < starts.size() ? starts[i + 1] : all);
+      }
     }
   }
 }
@@ -100,15 +108,23 @@ TEST(PartIndex, TakesLittleMoreThanTheBound) {
   }
 }
 
+TEST(PartIndex, APlainOneHasFourBytesForAPlace) {
+  EXPECT_EQ(part_index_bytes(std::vector<std::uint64_t>{1, 5, 7}, 70, IndexForm::plain).size(), 1u + 4 * 4);
+  EXPECT_EQ(part_index_bytes(std::vector<std::uint64_t>{0, 7}, 14, IndexForm::plain).size(), 1u);
+}
+
 TEST(PartIndex, RefusesAnotherSize) {
   const std::vector<std::uint64_t> starts = {1, 5, 7};
-  const auto bytes = part_index_bytes(starts, 70);
-  for (std::size_t n = 0; n < bytes.size(); ++n)
-    EXPECT_THROW(PartIndex(std::span(bytes).first(n), 70, as_is).check_whole(), FormatError) << n;
-  auto longer = bytes;
-  longer.push_back(std::byte{0});
-  EXPECT_THROW(PartIndex(longer, 70, as_is), FormatError);
-  EXPECT_THROW(PartIndex(bytes, 7000, as_is), FormatError);
+  for (const IndexForm form : {IndexForm::small, IndexForm::plain}) {
+    const auto bytes = part_index_bytes(starts, 70, form);
+    const std::size_t least = form == IndexForm::plain ? 2 : 0;  // a byte 0 alone tells of no parts
+    for (std::size_t n = least; n < bytes.size(); ++n)
+      EXPECT_THROW(PartIndex(std::span(bytes).first(n), 70, as_is).check_whole(), FormatError) << n;
+    auto longer = bytes;
+    longer.push_back(std::byte{0});
+    EXPECT_THROW(PartIndex(longer, 70, as_is), FormatError);
+    EXPECT_THROW(PartIndex(bytes, 7000, as_is).check_whole(), FormatError);
+  }
 }
 
 TEST(PartIndex, TellsWhatItReadsAndReadsNothingElse) {
@@ -134,9 +150,8 @@ TEST(PartIndex, StaysInsideDamagedBytes) {
   Random random(2);
   std::vector<std::uint64_t> starts(600);
   for (std::uint64_t i = 0; i < starts.size(); ++i) starts[i] = 1000 + i * 7;
-  const auto good = part_index_bytes(starts, 9000);
   for (int trial = 0; trial < 2000; ++trial) {
-    auto bad = good;
+    auto bad = part_index_bytes(starts, 9000, trial % 2 == 0 ? IndexForm::small : IndexForm::plain);
     for (int flip = 0; flip < 3; ++flip)
       bad[random.below(static_cast<std::uint32_t>(bad.size()))] = static_cast<std::byte>(random.below(256));
     try {
