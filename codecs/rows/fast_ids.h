@@ -26,6 +26,7 @@ namespace vismat {
 class FastIdRows {
  public:
   static constexpr bool escapes = true;
+  static constexpr IndexForm index_form = IndexForm::plain;
   static FastIdRows fit(const VisibilityMatrix& matrix);
   void write_model(std::vector<std::byte>& out) const;
   static FastIdRows read_model(ByteReader& in, Shape);

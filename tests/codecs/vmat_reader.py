@@ -64,6 +64,10 @@ def part_places(index, u):
     n = index.varint()
     if index.at == len(index.data):
         return [part * u // n for part in range(n + 1)] if n else [u]
+    if n == 0:
+        places = [int.from_bytes(index.take(4), "little") for _ in range((len(index.data) - 1) // 4)]
+        assert index.at == len(index.data) and len(places) > 1 and places[-1] == u and places == sorted(places)
+        return places
     b = 0 if u < 2 * (n + 1) else (u // (n + 1)).bit_length() - 1
     m = n + 1 + (u >> b)
     width = 8 if m >= 2**32 else 4
@@ -114,7 +118,7 @@ def rows_of(codec, rows, columns, index, payload):
     parts = [payload[begin:end] for begin, end in zip(places, places[1:])]
     model = Bytes(payload[:places[0]])
     if codec == "rows-fast-bits":
-        return [row for part in parts for row in four_rows(Bytes(part), columns)][:rows]
+        return [row for part in parts for row in four_rows(part, columns)][:rows]
     if codec == "rows-fast-ids":
         gaps, lengths = ([(model.take(1)[0], model.varint()) for _ in range(model.take(1)[0])] for _ in range(2))
     assert model.at == len(model.data)
@@ -145,37 +149,30 @@ def fast_ids(data, gaps, lengths):
 
 
 def four_rows(part, columns):
-    words = -(-columns // 64)
+    words, bitmap = -(-columns // 64), -(-columns // 8)
+    width = 2 if 5 * bitmap < 65536 else 4
+    part, ends = part[:-5 * width], part[-5 * width:]
+    ends = [int.from_bytes(ends[at:at + width], "little") for at in range(0, 5 * width, width)]
+    assert ends == sorted(ends) and ends[-1] == len(part)
 
-    def changes(data):
+    def coded(data, filled):
+        """The bytes of a leader or row."""
         if not data:
-            return set()
-        data, found = Bytes(data), set()
-        levels = bits_of(data.take(-(-words // 8)))
-        assert not any(levels[words:])
-        masks = [(word, data.take(1)[0]) for word, level in enumerate(levels) if level]
-        for word, mask in masks:
-            assert mask
-            for i in range(8):
-                if mask >> i & 1:
-                    found |= {64 * word + 8 * i + j for j, bit in enumerate(bits_of(data.take(1))) if bit}
+            return bytes(8 * words)
+        data = Bytes(data)
+        levels, fills = (bits_of(data.take(-(-words // 8))) if has else 8 * words * [0] for has in (True, filled))
+        assert not any(levels[words:]) and not any(fills[words:])
+        masks = [data.take(1)[0] if level else 0 for level in levels[:words]]
+        found = b"".join(data.take(1) if mask >> i & 1 else bytes([255 * fill]) for mask, fill in zip(masks, fills) for i in range(8))
         assert data.at == len(data.data)
         return found
 
-    leader, *rows = [part.take(size) for size in [part.varint() for _ in range(5)]]
-    assert part.at == len(part.data)
-    found = []
-    for row in rows:
-        if len(row) == -(-columns // 8):
-            found.append([column for column, bit in enumerate(bits_of(row)) if bit])
-            continue
-        both = changes(leader) ^ changes(row)
-        assert all(change < columns for change in both)
-        ids, parity = [], 0
-        for column in range(columns):
-            parity ^= column in both
-            ids += [column] * parity
-        found.append(ids)
+    leader, found = coded(part[:ends[0]], True), []
+    for begin, end in zip(ends, ends[1:]):
+        row = part[begin:end]
+        bits = bits_of(row if len(row) == bitmap else bytes(a ^ b for a, b in zip(leader, coded(row, False))))
+        assert not any(bits[columns:])
+        found.append([column for column, bit in enumerate(bits) if bit])
     return found
 
 
