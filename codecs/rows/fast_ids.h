@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "codecs/rows/pairs.h"
@@ -34,6 +35,9 @@ class FastIdRows {
   template <typename Sink>
   void decode(std::span<const std::byte> bytes, Sink& sink) const {
 #if defined(__x86_64__)
+    if constexpr (std::is_same_v<Sink, IdSink>) {
+      if (simd == Simd::avx512 && decode_avx512(bytes, sink)) return;
+    }
     if (simd != Simd::none) return decode_avx2(bytes, sink);
 #endif
     decode_with(bytes, sink);
@@ -53,6 +57,8 @@ class FastIdRows {
   static Class class_of(unsigned bytes, std::uint64_t base);
 
 #if defined(__x86_64__)
+  // False, and nothing in the sink, if a number is large, or the bytes are damaged.
+  bool decode_avx512(std::span<const std::byte> bytes, IdSink& sink) const;
   template <typename Sink>
   [[gnu::target("avx2,bmi,bmi2,popcnt")]] void decode_avx2(std::span<const std::byte> bytes,
                                                            Sink& sink) const {
@@ -86,7 +92,18 @@ class FastIdRows {
     });
     if (raw != code) throw FormatError("the row ends within a run");
   }
+  void fill_tables();
   Classes gaps_, lengths_;
+  // By the class of a gap and of a length: what decode_avx512() looks up.
+  struct Tables {
+    struct Of {
+      alignas(64) std::array<std::uint32_t, 16> bases;
+      alignas(16) std::array<std::uint8_t, 16> masks,
+          bytes;  // of raw bytes, a bit for each; of the token and raw bytes
+    };
+    Of gaps, lengths;
+  };
+  Tables tables_;
   std::vector<std::uint32_t> memory_;  // an encoder's
 };
 

@@ -188,6 +188,22 @@ class IdSink : public RowPlace {
     jump(static_cast<std::uint64_t>(at - at_), place);
     at_ = at;
   }
+  /// For decoders that write ids themselves: where the row's ids begin, with room for `count` more behind the first
+  /// `written`, which stay. Then wrote() says how many there are, and the column behind the last; nothing else may come
+  /// before or after it.
+  std::uint32_t* room(std::size_t written, std::size_t count) {
+    if (static_cast<std::size_t>(end_ - at_) < written + count) [[unlikely]] {
+      const std::size_t before = size();
+      at_ = buffer_.grow(before + written, count) + before;
+      end_ = buffer_.data_.get() + buffer_.capacity_;
+    }
+    return at_;
+  }
+  const std::uint32_t* room_end() const { return end_; }
+  void wrote(std::size_t count, std::uint64_t place) {
+    jump(count, place);
+    at_ += count;
+  }
   void finish() { buffer_.size_ = size(); }
 
  private:
