@@ -108,7 +108,7 @@ def table_of_speed(results):
 
 
 def table_of_forms(results):
-    """Single rows in random order by bench row-speed, checked as they are read."""
+    """Single rows in random order by bench row-speed, checked before they are timed."""
     rows = []
     for (matrix, codec), of in results.speed.groupby(["matrix", "codec"], sort=False):
         by = of.set_index("form")

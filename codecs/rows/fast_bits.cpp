@@ -10,15 +10,16 @@
 // place (a plain index) and of its ends in the part. These come last in the part, so that eight bytes may be read behind any
 // row without a question.
 //
-// The limit (oa_koth1's view cells in the order `best`, 302 bytes a row, 42 of them coded; 2.9 GHz). Bytes are put in place
+// The limit (oa_koth1's view cells in the order `best`, 302 bytes a row, 43 of them coded; 2.9 GHz). Bytes are put in place
 // in 3 cycles for eight words of each of the two streams, so that a row of five times eight words takes 30 cycles, 10 ns, 29
-// GB/s. In a loop over a payload in memory a row takes 22 ns in sequence and 26 ns in any order (a copy of the row 8 and 9
-// on the same loaded machine), and 35 ns by RowReader.
+// GB/s. On a loaded machine, where a copy of a row takes 9 ns, a row takes 34 ns by RowReader in any order, 9 GB/s, and 27
+// from memory, of which 2 are its place in the index; checks of blocks, and calls, are the rest. AVX2 takes 125 ns. What is
+// left is instructions, some 200 a row: without either expansion a row takes hardly less.
 //
-// Tried and found larger (bytes of oa_koth1's view cells; faces): a dictionary of 64-column words under two bits a word
-// (zero, ones, an id of 8 or 16 bits), 1.5 times; leaders of 8 rows, 1.03; 1.04; of 16 rows as plain bitmaps, 1.5; no leader,
-// 1.18; 1.29. Smaller, but slower: rows and leaders as the places where bits change, .92; .85, whose parities take twice the
-// time; leaders whose unstored bytes are as the last bit before them, .96; .97, 2 ns more.
+// Tried and found larger (bytes of oa_koth1's view cells; faces): leaders of 8 rows, 1.03; 1.04; no leader, 1.21; 1.31 (both
+// of rows as changes). Smaller, but no faster: rows and leaders as the places where bits change, .89; .81, whose parities
+// are half of the time; leaders whose unstored bytes are as the last bit before them, .96; .97, and 2 ns more. Tried without
+// gain in time: masks put in place by PDEP, which needs no store and load; a loop over the eights, 3 ns more.
 #include "codecs/rows/fast_bits.h"
 
 #include <algorithm>
@@ -95,8 +96,10 @@ struct Coded {
   }
 };
 
-// Plainly and ByAvx2 know the bytes of a word that a mask tells of: all ones there, or there the first ones of `bytes`.
+// Plainly and ByAvx2 know the bytes of a word that a mask tells of: all ones there, or there the first ones of `bytes`;
+// and whether a branch that asks for a mask costs less than to do without.
 struct Plainly {
+  static constexpr bool asks = true;
   static u64 all(unsigned mask) {
     const u64 bits = mask * u64{0x0101010101010101} & 0x8040201008040201;  // of byte i bit i
     return ((bits + 0x7f7f7f7f7f7f7f7f) >> 7 & 0x0101010101010101) * 0xff;
@@ -108,14 +111,21 @@ struct Plainly {
   }
 };
 
-// The next word's stored bytes; `masks` has those of eight words.
+// The masks of eight words, a byte for each, by their bits in `level`.
+template <typename How>
+[[gnu::always_inline]] inline u64 masks_of_eight(Coded& coded, unsigned level) {
+  const u64 masks = How::spread(eight_bytes(coded.masks), level);
+  coded.masks += std::popcount(level);
+  if (std::popcount(masks) > coded.end - coded.values) [[unlikely]]
+    refuse("they end within a word");
+  return masks;
+}
+
+// The next word's stored bytes.
 template <typename How>
 [[gnu::always_inline]] inline u64 next_word(Coded& coded, unsigned mask) {
-  const std::ptrdiff_t count = std::popcount(mask);
-  if (count > coded.end - coded.values) [[unlikely]]
-    refuse("they end within a word");
   const u64 word = How::spread(eight_bytes(coded.values), mask);
-  coded.values += count;
+  coded.values += std::popcount(mask);
   return word;
 }
 
@@ -124,20 +134,29 @@ template <typename How>
 [[gnu::always_inline]] inline void write_with(Bytes leader_bytes, Bytes own_bytes, std::span<u64> words,
                                               u64 behind) {
   Coded leader(leader_bytes, words.size(), 2), own(own_bytes, words.size(), 1);
-  for (std::size_t w = 0; w < words.size(); w += 64) {
-    u64 leader_level = leader.listed(leader.levels, w, words.size()),
-        own_level = own.listed(own.levels, w, words.size()),
-        fill = leader.listed(leader.fills, w, words.size());
-    const std::size_t end = std::min(words.size(), w + 64);
-    for (std::size_t i = w; i < end; ++i, leader_level >>= 1, own_level >>= 1, fill >>= 1) {
-      u64 word = (fill & 1) * ~u64{0};
-      if ((leader_level & 1) != 0) {
-        const auto mask = std::to_integer<unsigned>(*leader.masks++);
-        word = (word & ~How::all(mask)) | next_word<How>(leader, mask);
-      }
-      if ((own_level & 1) != 0) word ^= next_word<How>(own, std::to_integer<unsigned>(*own.masks++));
-      words[i] = word;
+  u64 leader_level = 0, own_level = 0, fill = 0;
+  for (std::size_t w = 0; w < words.size(); w += 8) {
+    if (w % 64 == 0) {
+      leader_level = leader.listed(leader.levels, w, words.size());
+      own_level = own.listed(own.levels, w, words.size());
+      fill = leader.listed(leader.fills, w, words.size());
     }
+    u64 leader_masks = masks_of_eight<How>(leader, leader_level & 0xff),
+        own_masks = masks_of_eight<How>(own, own_level & 0xff);
+    leader_level >>= 8;
+    own_level >>= 8;
+    const std::size_t end = std::min(words.size(), w + 8);
+    for (std::size_t i = w; i < end; ++i) {
+      const unsigned leader_mask = leader_masks & 0xff, own_mask = own_masks & 0xff;
+      u64 word = (fill >> (i - w) & 1) * ~u64{0};
+      if (!How::asks || leader_mask != 0)
+        word = (word & ~How::all(leader_mask)) | next_word<How>(leader, leader_mask);
+      if (!How::asks || own_mask != 0) word ^= next_word<How>(own, own_mask);
+      words[i] = word;
+      leader_masks >>= 8;
+      own_masks >>= 8;
+    }
+    fill >>= 8;
   }
   leader.expect_no_more();
   own.expect_no_more();
@@ -146,6 +165,7 @@ template <typename How>
 
 #if defined(__x86_64__)
 struct ByAvx2 {
+  static constexpr bool asks = false;
   [[gnu::target("avx2,bmi,bmi2,popcnt")]] static u64 all(unsigned mask) {
     return _pdep_u64(mask, 0x0101010101010101) * 0xff;
   }
