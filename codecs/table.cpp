@@ -67,8 +67,7 @@ constexpr std::array rows_alone = {
                       Origin::paper),
     row_codec<FastIdRows>("rows-fast-ids", "gaps and runs as half bytes, bytes for the rarer ones",
                           Origin::ours),
-    row_codec<FastBitRows>("rows-fast-bits", "bytes that differ from what four rows share",
-                           Origin::ours),
+    row_codec<FastBitRows>("rows-fast-bits", "bytes that differ from what four rows share", Origin::ours),
 };
 
 }  // namespace
