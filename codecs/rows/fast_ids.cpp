@@ -21,7 +21,7 @@
 // one before stored once, in groups of 8 rows, -1 % on view cells and faces and +2 % on differences; raw bytes behind each
 // token, which are found one after the other. Run by run, 8 or 16 ids at once, 1.2 to 1.6 times the time, and 64, the same.
 // By sixteen runs, with ids written 32 at once, 1.3 times the time, 48, 1.07; stores of 32 bytes, 1.16; stores behind a
-// run's end masked, 1.5 to 2.1; what is longer written after all 16 runs, 1.3.
+// run's end masked, 1.5 to 2.1; what is longer written after all 16 runs, 1.1 to 1.2.
 #include "codecs/rows/fast_ids.h"
 
 #include <algorithm>
