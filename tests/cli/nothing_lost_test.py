@@ -91,7 +91,12 @@ def arguments(options, without=()):
 
 
 def numbers():
-    wrong = ["nan", "inf", "-inf", "-1", "1e400", "0x10", "", "5x", "NaN", "infinity", "1e-400", "+-1", " 1", "1 "]
+    """Every number of every verb is looked at: each option refuses what CLI11 alone would take, and one of the other texts in turn,
+    so that some options of each type refuse each of them."""
+    telling = {"UINT": ["-1", "0x10"], "INT": ["-1", "0x10"], "FLOAT": ["-1", "nan"]}
+    other = ["inf", "-inf", "1e400", "", "5x", "NaN", "infinity", "1e-400", "+-1", " 1", "1 "]
+    turns = {"UINT": itertools.cycle([*other, "nan", "18446744073709551616", "1.5", "1e3"]), "FLOAT": itertools.cycle([*other, "0x10"])}
+    turns["INT"] = turns["UINT"]
     for program in programs:
         seen = 0
         for verb, options in verbs(program).items():
@@ -99,8 +104,7 @@ def numbers():
                 if kind not in ("UINT", "INT", "FLOAT"):
                     continue
                 seen += 1
-                values = wrong + ([] if kind == "FLOAT" else ["18446744073709551616", "1.5", "1e3"])
-                for value in values:
+                for value in (*telling[kind], next(turns[kind])):
                     words = arguments(options, without=[option])
                     given = [value] if option.isupper() else [option, value]
                     refuse("", verb, *words, *given, program=program)
