@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/ptrace.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,7 +11,6 @@
 #include <fstream>
 #include <iterator>
 #include <sstream>
-#include <thread>
 #include <vector>
 
 #include "matrix/files/dataset_file.h"
@@ -22,9 +23,57 @@ std::string contents_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Whether the call changes what a folder or a file holds. Writing to a pipe or a terminal counts too.
+bool changes_files(const __ptrace_syscall_info& call) {
+  const auto argument = [&](int i) { return static_cast<unsigned long>(call.entry.args[i]); };
+  switch (call.entry.nr) {
+    case SYS_openat:
+      return (argument(2) & (O_CREAT | O_TRUNC)) != 0 || (argument(2) & O_TMPFILE) == O_TMPFILE;
+    case SYS_write:
+    case SYS_writev:
+    case SYS_pwrite64:
+    case SYS_ftruncate:
+    case SYS_fchmod:
+    case SYS_linkat:
+    case SYS_renameat2:
+    case SYS_unlinkat:
+      return true;
+#ifdef SYS_rename
+    case SYS_rename:
+    case SYS_unlink:
+      return true;
+#endif
+    default:
+      return false;
+  }
+}
+
+/// Sends SIGINT to a child that asked to be traced before exec, at the entry of its call that makes change number `changes`, so that
+/// the signal meets it right after; then lets it go on alone. Counts in `made`; true if the child ended before, with `status`.
+bool interrupt_at(pid_t child, unsigned changes, unsigned& made, int& status) {
+  for (bool begun = false; ::waitpid(child, &status, 0) == child && WIFSTOPPED(status); begun = true) {
+    long signal = 0;
+    if (!begun) {  // at exec
+      ::ptrace(PTRACE_SETOPTIONS, child, nullptr, PTRACE_O_TRACESYSGOOD | PTRACE_O_EXITKILL);
+    } else if (WSTOPSIG(status) != (SIGTRAP | 0x80)) {
+      signal = WSTOPSIG(status);
+    } else {
+      __ptrace_syscall_info call{};
+      ::ptrace(PTRACE_GET_SYSCALL_INFO, child, sizeof(call), &call);
+      if (call.op == PTRACE_SYSCALL_INFO_ENTRY && changes_files(call) && ++made == changes) {
+        ::kill(child, SIGINT);
+        ::ptrace(PTRACE_DETACH, child, nullptr, 0);
+        return false;
+      }
+    }
+    ::ptrace(PTRACE_SYSCALL, child, nullptr, signal);
+  }
+  return true;
+}
+
 }  // namespace
 
-Finished Program::vismat(const std::string& words, std::chrono::microseconds patience) const {
+Finished Program::vismat(const std::string& words, unsigned changes) const {
   const TemporaryFolder told;
   const std::string out = told / "out", error = told / "error", work = folder / "";
   std::istringstream split(words);
@@ -38,17 +87,18 @@ Finished Program::vismat(const std::string& words, std::chrono::microseconds pat
     ::setpgid(0, 0);
     ::dup2(::open(out.c_str(), O_CREAT | O_WRONLY, 0600), STDOUT_FILENO);
     ::dup2(::open(error.c_str(), O_CREAT | O_WRONLY, 0600), STDERR_FILENO);
+    if (changes > 0) {
+      ::setenv("ASAN_OPTIONS", "detect_leaks=0", 1);  // which takes tracing for itself
+      ::ptrace(PTRACE_TRACEME, 0, nullptr, nullptr);
+    }
     if (::chdir(work.c_str()) == 0) ::execv(arguments[0], arguments.data());
     ::_exit(127);
   }
   ::setpgid(child, child);  // whichever of the two is first
-  if (patience.count() > 0) {
-    std::this_thread::sleep_for(patience);
-    ::kill(-child, SIGINT);
-  }
   int status = 0;
-  ::waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents_of(out), contents_of(error)};
+  unsigned made = 0;
+  if (changes == 0 || !interrupt_at(child, changes, made, status)) ::waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents_of(out), contents_of(error), made};
 }
 
 Finished Program::vismat_succeeds(const std::string& words) const {

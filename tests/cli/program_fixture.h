@@ -2,7 +2,6 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <string>
 
 #include "matrix/dataset.h"
@@ -13,13 +12,15 @@ namespace vismat {
 struct Finished {
   int code = 0;  // -1 after a signal
   std::string out, error;
+  unsigned changes = 0;  // to files, if they were counted
 };
 
 class Program : public testing::Test {
  protected:
   /// Runs `vismat WORDS`, with blanks between the words, in the folder and as the leader of a process group, as a shell does;
-  /// Ctrl-C after `patience`, if that is not zero.
-  Finished vismat(const std::string& words, std::chrono::microseconds patience = {}) const;
+  /// Ctrl-C as soon as its first thread has made `changes` changes to files, if that is not zero and it makes so many. Changes
+  /// are counted where it is not zero, up to Ctrl-C.
+  Finished vismat(const std::string& words, unsigned changes = 0) const;
   /// The same; a failed expectation unless it exits with 0.
   Finished vismat_succeeds(const std::string& words) const;
   /// It exits with 1, says why in one line, and leaves no file.
