@@ -1,22 +1,69 @@
-"""What the tests of notebooks and reports share. Each is run as TEST OUT on the tables that make_tables.py made in the folder OUT."""
+"""What the tests of notebooks and reports share. Each is run as TEST OUT on the tables that make_tables.py made in the folder OUT.
+Notebooks and reports are executed in one process, one after the other, so that pandas and matplotlib are loaded once."""
+import contextlib
 import csv
+import io
 import os
 import pathlib
 import re
-import subprocess
+import runpy
 import sys
 import unittest
+import unittest.mock
 
+import matplotlib.layout_engine
+import matplotlib.pyplot
 import nbformat
-from nbclient import NotebookClient
+from IPython.core.displayhook import DisplayHook
+from IPython.core.displaypub import CapturingDisplayPublisher
+from IPython.core.interactiveshell import InteractiveShell
+from matplotlib_inline.config import InlineBackend
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OUT = pathlib.Path(sys.argv[1])
+sys.path.insert(0, str(ROOT / "bench/reproduce"))
 
 
 def told(name):
     """What a command printed."""
     return (OUT / "told" / f"{name}.txt").read_text()
+
+
+class Results(DisplayHook):
+    """Keeps what the last line of a cell displays beside what the cell's other lines did."""
+
+    def write_output_prompt(self):
+        pass
+
+    def write_format_data(self, format_dict, md_dict=None):
+        self.shell.display_pub.publish(format_dict, md_dict)
+
+    def finish_displayhook(self):
+        pass
+
+
+class Shell(InteractiveShell):
+    displayhook_class = Results
+
+    def enable_gui(self, gui=None):
+        """Charts are not shown in windows."""
+
+
+def outputs_of(notebook):
+    """Executes the cells in a namespace of their own. All that they display, each as a dictionary from type to data."""
+    shell = Shell.instance(history_load_length=0)
+    shell.history_manager.enabled = False
+    shell.reset(new_session=False)
+    outputs = []
+    shell.display_pub = CapturingDisplayPublisher(parent=shell, outputs=outputs)
+    # A report draws the same charts in full: here they are coarse, and neither laid out nor cut, which takes three drawings.
+    InlineBackend.instance(parent=shell, print_figure_kwargs={"bbox_inches": None, "dpi": 40})
+    with unittest.mock.patch.object(matplotlib.layout_engine.ConstrainedLayoutEngine, "execute"):
+        for cell in notebook.cells:
+            if cell.cell_type == "code":
+                shell.run_cell(cell.source, store_history=True).raise_error()
+    matplotlib.pyplot.close("all")
+    return [output["data"] for output in outputs]
 
 
 class Pages(unittest.TestCase):
@@ -30,19 +77,24 @@ class Pages(unittest.TestCase):
         self.assertTrue(all(not cell.get("outputs") for cell in notebook.cells), "committed with outputs")
         self.assertFalse([cell.source for cell in notebook.cells if cell.source.isalpha()], "words still to be written")
         os.environ["VISMAT_OUT"] = str(OUT)
-        os.environ["PYDEVD_DISABLE_FILE_VALIDATION"] = "1"  # three lines of warning for each notebook
-        NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(ROOT / "notebooks")}}).execute()
-        outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
-        pages = "".join(output.data.get("text/html", "") for output in outputs if "data" in output)
+        with contextlib.chdir(ROOT / "notebooks"), contextlib.redirect_stdout(io.StringIO()):
+            outputs = outputs_of(notebook)
+        pages = "".join(output.get("text/html", "") for output in outputs)
         for word in expected:
             self.assertTrue(word in pages, word)
-        self.assertEqual(sum("image/png" in output.get("data", {}) for output in outputs), images)
+        self.assertEqual(sum("image/png" in output for output in outputs), images)
 
     def report(self, name, images, expected):
         """Runs a report. Its text and page must say all that is expected, the page needs no other file, and all tables are kept."""
         folder, records = OUT / name, OUT / "results" / name
-        text = subprocess.run([sys.executable, ROOT / f"bench/reproduce/{name}_report.py", OUT, records], check=True, capture_output=True, text=True).stdout
-        page = (folder / "report.html").read_text()
+        script, words = str(ROOT / f"bench/reproduce/{name}_report.py"), sys.argv
+        sys.argv = [script, str(OUT), str(records)]
+        try:
+            with contextlib.redirect_stdout(io.StringIO()) as printed:
+                runpy.run_path(script, run_name="__main__")
+        finally:
+            sys.argv = words
+        text, page = printed.getvalue(), (folder / "report.html").read_text()
         for word in expected:
             self.assertIn(word, text)
             self.assertIn(word, page)
@@ -56,5 +108,6 @@ class Pages(unittest.TestCase):
             self.assertTrue(kept.endswith(table.read_text()))
 
 
-def main():
-    unittest.main(argv=sys.argv[:1])
+def main(modules=("__main__",)):
+    suite = unittest.TestSuite(map(unittest.defaultTestLoader.loadTestsFromName, modules))
+    sys.exit(not unittest.TextTestRunner().run(suite).wasSuccessful())
