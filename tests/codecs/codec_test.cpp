@@ -39,8 +39,10 @@ VisibilityMatrix decoded(const Codec& codec, const Encoded& e, const Dataset& c)
 class EveryCodec : public testing::TestWithParam<Codec> {};
 
 TEST_P(EveryCodec, RoundTripsEveryMatrix) {
+  std::vector<std::uint32_t> arities = {4};
+  if (GetParam().needs.tree == TreeOver::columns) arities = {2, 4, 30};
   for (const NamedMatrix& m : test::assorted_matrices()) {
-    for (const std::uint32_t arity : {2u, 4u, 30u}) {
+    for (const std::uint32_t arity : arities) {
       const Dataset c = case_for(GetParam(), m.matrix, arity);
       const Encoded e = encoded(GetParam(), c);
       EXPECT_EQ(decoded(GetParam(), e, c), c.matrix) << m.name;
