@@ -42,20 +42,20 @@ namespace vismat {
 namespace {
 
 TEST(Allocation, NoneForARow) {
-  const auto matrix = test::random_matrix({300, 2000}, .1, 31);
+  const auto matrix = test::random_matrix({100, 2000}, .1, 31);
   std::size_t codecs = 0;
   for (const Codec& codec : own_codecs()) {
     if (codec.open == nullptr) continue;
     ++codecs;
     SourceMap source;
-    if (codec.needs.tree == TreeOver::rows) source.row_tree = test::even_tree(300, 2);
+    if (codec.needs.tree == TreeOver::rows) source.row_tree = test::even_tree(100, 2);
     const auto file = write_container(compress(matrix, codec, std::move(source)));
     const RowReader reader(file);
     RowBuffer<std::uint32_t> ids;
     RowBuffer<vismat::Run> runs;
     std::vector<std::uint64_t> bits(32);
     const auto read_all = [&] {
-      for (std::uint32_t r = 0; r < 300; ++r) {
+      for (std::uint32_t r = 0; r < 100; ++r) {
         reader.ids(r, ids);
         reader.runs(r, runs);
         reader.bits(r, bits, ids);

@@ -99,10 +99,10 @@ inline std::vector<NamedMatrix> assorted_matrices() {
   }
   all.push_back({"all zero", VisibilityMatrix(Shape{70, 300})});
   all.push_back({"all one", random_matrix({70, 300}, 2, 1)});
-  constexpr Shape wide = sanitized ? Shape{45, 350} : Shape{90, 700};
+  constexpr Shape wide = sanitized ? Shape{45, 350} : Shape{60, 400};
   all.push_back({"sparse", random_matrix(wide, .005, 2)});
   all.push_back({"dense", random_matrix(wide, .95, 3)});
-  all.push_back({"clustered", clustered_matrix(sanitized ? Shape{150, 200} : Shape{300, 400}, 4)});
+  all.push_back({"clustered", clustered_matrix(sanitized ? Shape{150, 200} : Shape{260, 300}, 4)});
   return all;
 }
 

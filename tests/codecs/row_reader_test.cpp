@@ -75,9 +75,9 @@ class EveryRowCodec : public testing::TestWithParam<Codec> {};
 TEST_P(EveryRowCodec, ReadsEachRowAloneInEveryForm) {
   Buffers buffers;
   auto matrices = test::assorted_matrices();
-  const std::uint32_t many = test::sanitized ? 1500 : 5000;
+  const std::uint32_t many = test::sanitized ? 1500 : 3000;
   matrices.push_back({"many rows", test::clustered_matrix({many, 90}, 21)});    // an index of several blocks
-  matrices.push_back({"long rows", test::random_matrix({9, 90000}, .01, 22)});  // rows over several blocks
+  matrices.push_back({"long rows", test::random_matrix({9, 60000}, .01, 22)});  // rows over several blocks
   for (const auto& m : matrices) {
     const auto file = file_of(m.matrix, GetParam());
     const RowReader reader(file, std::span(&GetParam(), 1));
@@ -122,8 +122,8 @@ TEST_P(EveryRowCodec, TouchesNoOtherBlock) {
 }
 
 TEST_P(EveryRowCodec, ServesThreadsFromOneOpenFile) {
-  constexpr std::uint32_t rows = test::trials(2000u);
-  const auto matrix = test::clustered_matrix({rows, 700}, 24);
+  constexpr std::uint32_t rows = 400;
+  const auto matrix = test::clustered_matrix({rows, 300}, 24);
   const auto file = file_of(matrix, GetParam());
   const RowReader reader(file, std::span(&GetParam(), 1));
   std::vector<std::thread> threads;
