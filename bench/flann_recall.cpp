@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "bench/verbs.h"
-#include "layout/points/distinct_columns.h"
 #include "layout/tours/flann_tour.h"
 #include "matrix/base/random.h"
 #include "matrix/bit_rows.h"
+#include "matrix/points/distinct_columns.h"
 #include "programs/csv.h"
 #include "programs/measuring.h"
 

@@ -20,7 +20,7 @@
 #include "codecs/vmat/row_reader.h"
 #include "layout/best_order.h"
 #include "layout/orders/random_order.h"
-#include "layout/points/distinct_columns.h"
+#include "matrix/points/distinct_columns.h"
 #include "programs/csv.h"
 #include "programs/measuring.h"
 #include "programs/names.h"

@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "layout/cost.h"
-#include "layout/points/distinct_columns.h"
-#include "layout/points/near.h"
 #include "layout/tours/polished_tour.h"
 #include "layout/tours/scale_tour.h"
 #include "matrix/base/parallel.h"
+#include "matrix/points/distinct_columns.h"
+#include "matrix/points/near.h"
 
 namespace vismat {
 namespace {

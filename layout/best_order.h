@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "layout/points/sparse_points.h"
 #include "matrix/base/parallel.h"
 #include "matrix/permutation.h"
+#include "matrix/points/sparse_points.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

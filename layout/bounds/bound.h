@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "layout/points/sparse_points.h"
 #include "matrix/base/parallel.h"
 #include "matrix/permutation.h"
+#include "matrix/points/sparse_points.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

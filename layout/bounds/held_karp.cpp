@@ -33,8 +33,8 @@
 #include <numeric>
 #include <utility>
 
-#include "layout/points/pair_distances.h"
 #include "matrix/base/union_find.h"
+#include "matrix/points/pair_distances.h"
 
 namespace vismat {
 namespace {

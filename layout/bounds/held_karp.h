@@ -4,7 +4,7 @@
 #include <span>
 
 #include "layout/bounds/bound.h"
-#include "layout/points/sparse_points.h"
+#include "matrix/points/sparse_points.h"
 
 namespace vismat {
 

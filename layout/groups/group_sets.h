@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "layout/points/inverted_index.h"
 #include "matrix/base/parallel.h"
 #include "matrix/bit_rows.h"
+#include "matrix/points/inverted_index.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

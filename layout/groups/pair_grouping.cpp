@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "layout/groups/row_groups.h"
-#include "layout/points/near.h"
+#include "matrix/points/near.h"
 
 namespace vismat {
 namespace {

@@ -1,8 +1,8 @@
 // The tour that always goes to the true nearest neighbour.
 #pragma once
-#include "layout/points/column_points.h"
 #include "layout/tours/tour.h"
 #include "matrix/permutation.h"
+#include "matrix/points/column_points.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

@@ -30,9 +30,9 @@
 #include <utility>
 #include <vector>
 
-#include "layout/points/distinct_columns.h"
 #include "matrix/base/parallel.h"
 #include "matrix/bit_rows.h"
+#include "matrix/points/distinct_columns.h"
 
 namespace vismat {
 namespace {

@@ -2,9 +2,9 @@
 #pragma once
 #include <cstdint>
 
-#include "layout/points/column_points.h"
 #include "layout/tours/polished_tour.h"
 #include "matrix/permutation.h"
+#include "matrix/points/column_points.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "layout/points/column_points.h"
 #include "matrix/base/union_find.h"
+#include "matrix/points/column_points.h"
 
 namespace vismat {
 

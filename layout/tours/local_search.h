@@ -17,10 +17,10 @@
 #include <utility>
 #include <vector>
 
-#include "layout/points/column_points.h"
 #include "layout/tours/array_tour.h"
 #include "matrix/base/parallel.h"
 #include "matrix/base/random.h"
+#include "matrix/points/column_points.h"
 
 namespace vismat {
 

@@ -9,9 +9,9 @@
 
 #include <utility>
 
-#include "layout/points/distinct_columns.h"
 #include "layout/tours/fragments.h"
 #include "layout/tours/local_search.h"
+#include "matrix/points/distinct_columns.h"
 
 namespace vismat {
 namespace {

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "layout/points/column_points.h"
-#include "layout/points/sparse_points.h"
 #include "layout/tours/local_search.h"
 #include "layout/tours/tour.h"
 #include "matrix/permutation.h"
+#include "matrix/points/column_points.h"
+#include "matrix/points/sparse_points.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {

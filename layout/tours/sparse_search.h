@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "layout/points/column_points.h"
-#include "layout/points/sketch.h"
-#include "layout/points/sparse_points.h"
 #include "layout/tours/local_search.h"
+#include "matrix/points/column_points.h"
+#include "matrix/points/sketch.h"
+#include "matrix/points/sparse_points.h"
 
 namespace vismat {
 

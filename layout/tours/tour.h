@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "layout/points/column_points.h"
 #include "matrix/permutation.h"
+#include "matrix/points/column_points.h"
 
 namespace vismat {
 

@@ -12,9 +12,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "layout/points/distinct_columns.h"
-#include "layout/points/point_comparison.h"
 #include "matrix/bit_rows.h"
+#include "matrix/points/distinct_columns.h"
+#include "matrix/points/point_comparison.h"
 
 namespace vismat {
 namespace {

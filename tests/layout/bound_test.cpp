@@ -13,9 +13,9 @@
 #include "layout/bounds/held_karp.h"
 #include "layout/bounds/nearest_bound.h"
 #include "layout/orders/random_order.h"
-#include "layout/points/pair_distances.h"
 #include "layout/tours/scale_tour.h"
 #include "matrix/generate.h"
+#include "matrix/points/pair_distances.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

@@ -1,5 +1,5 @@
 // Tests exact neighbour lists against a full sort.
-#include "layout/points/column_points.h"
+#include "matrix/points/column_points.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tests that equal columns are collapsed into one and expanded again.
-#include "layout/points/distinct_columns.h"
+#include "matrix/points/distinct_columns.h"
 
 #include <gtest/gtest.h>
 

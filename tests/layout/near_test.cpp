@@ -1,5 +1,5 @@
 // Near points and what finds them, against distances counted plainly.
-#include "layout/points/near.h"
+#include "matrix/points/near.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "layout/points/inverted_index.h"
-#include "layout/points/point_comparison.h"
 #include "matrix/base/random.h"
 #include "matrix/generate.h"
+#include "matrix/points/inverted_index.h"
+#include "matrix/points/point_comparison.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {
@@ -19,12 +19,16 @@ namespace {
 
 using Lists = std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>>;  // (distance, point)
 
-// All other points, nearest first.
-Lists brute_force(const SparsePoints& points) {
+// All other points, nearest first; a one that the other one lacks counts `lacked`.
+Lists brute_force(const SparsePoints& points, std::uint32_t lacked = 1) {
   Lists lists(points.size());
   for (std::uint32_t p = 0; p < points.size(); ++p) {
+    const auto of = points.ones(p);
     for (std::uint32_t q = 0; q < points.size(); ++q) {
-      if (q != p) lists[p].emplace_back(points.distance(p, q), q);
+      if (q == p) continue;
+      const auto lacks = static_cast<std::uint32_t>(std::ranges::count_if(
+          of, [&](std::uint32_t row) { return !std::ranges::binary_search(points.ones(q), row); }));
+      lists[p].emplace_back(points.distance(p, q) + (lacked - 1) * lacks, q);
     }
     std::ranges::sort(lists[p]);
   }
@@ -65,11 +69,21 @@ TEST(NearPoints, AreThoseOfBruteForce) {
   for (const auto& [name, matrix] : matrices) {
     for (const bool collapse : {true, false}) {
       const SparsePoints points(matrix, collapse);
-      const Lists real = brute_force(points);
-      for (const std::uint32_t wanted : {1u, 5u, 1000u}) {
-        const NearPoints near = near_points(points, {.neighbours = wanted}, 2);
-        EXPECT_TRUE(near.exact);
-        EXPECT_EQ(plain(near.lists, points.size()), first_few(real, wanted)) << name;
+      for (const std::uint32_t lacked : {1u, 4u}) {
+        const Lists real = brute_force(points, lacked);
+        for (const std::uint32_t wanted : {1u, 5u, 1000u}) {
+          const NearPoints near = near_points(points, {.neighbours = wanted, .lacked = lacked}, 2);
+          EXPECT_TRUE(near.exact);
+          EXPECT_EQ(plain(near.lists, points.size()), first_few(real, wanted)) << name;
+        }
+        // What is found with sketches is as far as it says.
+        const NearPoints near =
+            near_points(points, {.neighbours = 5, .lacked = lacked, .exact_seconds = 0}, 2);
+        for (std::uint32_t p = 0; p < points.size(); ++p) {
+          for (const auto& [distance, q] : plain(near.lists, points.size())[p]) {
+            if (q != no_point) EXPECT_TRUE(std::ranges::count(real[p], std::pair(distance, q))) << name;
+          }
+        }
       }
     }
   }

@@ -6,10 +6,10 @@
 #include <tuple>
 #include <vector>
 
-#include "layout/points/point_comparison.h"
 #include "matrix/base/random.h"
 #include "matrix/base/union_find.h"
 #include "matrix/bit_rows.h"
+#include "matrix/points/point_comparison.h"
 
 namespace vismat {
 namespace {

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "layout/cost.h"
-#include "layout/points/sparse_points.h"
 #include "matrix/generate.h"
+#include "matrix/points/sparse_points.h"
 #include "tests/codecs/matrices.h"
 
 namespace vismat {

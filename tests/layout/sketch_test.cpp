@@ -1,5 +1,5 @@
 // Sketches of points and near neighbours, against distances counted plainly.
-#include "layout/points/sketch.h"
+#include "matrix/points/sketch.h"
 
 #include <gtest/gtest.h>
 

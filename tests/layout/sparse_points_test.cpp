@@ -1,5 +1,5 @@
 // Tests points in memory against the matrix, and points on disk against those in memory.
-#include "layout/points/sparse_points.h"
+#include "matrix/points/sparse_points.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "layout/cost.h"
 #include "layout/orders/random_order.h"
-#include "layout/points/column_points.h"
+#include "matrix/points/column_points.h"
 #include "tests/codecs/matrices.h"
 #include "tests/matrix/temporary_folder.h"
 

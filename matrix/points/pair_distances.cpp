@@ -1,4 +1,4 @@
-#include "layout/points/pair_distances.h"
+#include "matrix/points/pair_distances.h"
 
 #include <algorithm>
 #include <limits>

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "layout/points/point_comparison.h"
-#include "layout/points/sparse_points.h"
+#include "matrix/points/point_comparison.h"
+#include "matrix/points/sparse_points.h"
 
 namespace vismat {
 

@@ -3,9 +3,9 @@
 #pragma once
 #include <cstdint>
 
-#include "layout/points/column_points.h"
-#include "layout/points/sparse_points.h"
 #include "matrix/base/parallel.h"
+#include "matrix/points/column_points.h"
+#include "matrix/points/sparse_points.h"
 
 namespace vismat {
 
@@ -13,6 +13,9 @@ struct NearOptions {
   std::uint32_t neighbours = 10;  // of each point
   /// The zero point has a list and is in lists like any other, as in exact_neighbours; its number is the last.
   bool zero = false;
+  /// What a one of a point counts that the other lacks, against 1 for one of the other's that the point lacks. 1: the
+  /// distance is the symmetric difference. More suits those who tell a point by what another has.
+  std::uint32_t lacked = 1;
   /// All pairs are compared if that is estimated to take no more processor time than this; otherwise candidates are
   /// found with sketches. The estimate depends on the points' sizes alone, never on the machine.
   double exact_seconds = 120;
@@ -20,12 +23,12 @@ struct NearOptions {
   Stages stages = {};
 };
 
-/// For each point, the zero point only if asked for, its nearest other ones by symmetric difference, nearest first, ties by number.
+/// For each point, the zero point only if asked for, its nearest other ones, nearest first, ties by number.
 struct NearPoints {
   /// per_point is the number asked for, or less if there are fewer other points. All distances are exact. A list that
   /// found fewer (never if `exact`) ends with id no_point and distance no_point.
   NeighbourLists lists;
-  /// The lists are those of a comparison of all pairs. Otherwise near points may be missing: layout/points/sketch.cpp
+  /// The lists are those of a comparison of all pairs. Otherwise near points may be missing: matrix/points/sketch.cpp
   /// has the measured share.
   bool exact = true;
 };

@@ -1,7 +1,7 @@
 // ALGORITHM. Finding equal columns. Columns are sorted by a 64-bit hash of their ids. Columns with equal hashes are
 // compared with the first of each kind among them, so a collision of hashes costs time and never merges columns that
 // differ.
-#include "layout/points/sparse_points.h"
+#include "matrix/points/sparse_points.h"
 
 #include <algorithm>
 #include <atomic>
@@ -26,15 +26,22 @@ std::uint64_t hash(std::span<const std::uint32_t> ids) {
 
 }  // namespace
 
+SparsePoints::SparsePoints(Shape shape, VisibilityMatrix transposed)
+    : shape_(shape),
+      in_memory_(std::move(transposed)),
+      column_of_point_(shape.columns),
+      twin_(shape.columns, none) {
+  std::iota(column_of_point_.begin(), column_of_point_.end(), 0u);
+}
+
 SparsePoints::SparsePoints(const VisibilityMatrix& matrix, bool collapse)
-    : shape_(matrix.shape()), in_memory_(transpose(matrix)) {
-  if (collapse) {
-    find_points();
-  } else {
-    twin_.assign(shape_.columns, none);
-    column_of_point_.resize(shape_.columns);
-    std::iota(column_of_point_.begin(), column_of_point_.end(), 0u);
-  }
+    : SparsePoints(matrix.shape(), transpose(matrix)) {
+  if (collapse) find_points();
+}
+
+SparsePoints SparsePoints::of_rows(VisibilityMatrix rows) {
+  const Shape shape{rows.shape().columns, rows.shape().rows};
+  return {shape, std::move(rows)};
 }
 
 SparsePoints::SparsePoints(const VisibilityMatrix& matrix, const std::filesystem::path& folder,
@@ -67,6 +74,7 @@ SparsePoints::SparsePoints(const VisibilityMatrix& matrix, const std::filesystem
 void SparsePoints::find_points() {
   const std::uint32_t count = shape_.columns;
   twin_.assign(count, none);
+  column_of_point_.clear();
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
   for (std::uint32_t c = 0; c < count; ++c) {
     if (of_column(c).empty())

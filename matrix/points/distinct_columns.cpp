@@ -1,4 +1,4 @@
-#include "layout/points/distinct_columns.h"
+#include "matrix/points/distinct_columns.h"
 
 #include <algorithm>
 #include <numeric>

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "layout/points/inverted_index.h"
-#include "layout/points/sparse_points.h"
 #include "matrix/base/parallel.h"
 #include "matrix/bit_rows.h"
+#include "matrix/points/inverted_index.h"
+#include "matrix/points/sparse_points.h"
 
 namespace vismat {
 

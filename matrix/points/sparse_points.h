@@ -18,6 +18,8 @@ namespace vismat {
 class SparsePoints {
  public:
   explicit SparsePoints(const VisibilityMatrix& matrix, bool collapse = true);
+  /// The rows of a matrix as points, each of them; empty and equal ones too.
+  static SparsePoints of_rows(VisibilityMatrix rows);
   /// Keeps the ones in a temporary file in `folder`, written through a buffer of about `buffer_bytes` with one scan of
   /// the matrix for each buffer full. Throws std::runtime_error if there is no room.
   SparsePoints(const VisibilityMatrix& matrix, const std::filesystem::path& folder,
@@ -42,6 +44,7 @@ class SparsePoints {
   std::vector<std::uint32_t> visits_of_order(const Permutation& order) const;
 
  private:
+  SparsePoints(Shape shape, VisibilityMatrix transposed);  // keeps all columns
   void find_points();
   std::span<const std::uint32_t> of_column(std::uint32_t column) const {
     if (offsets_.empty()) return in_memory_.row(column);

@@ -1,7 +1,7 @@
 // ALGORITHM. Distances of points to all others. From bits: popcounts, of a few points against all so that these few stay
 // in the cache. From the index: each one of a point adds 1 to all points with a one in that row, and |a xor b| = |a| +
 // |b| - 2 |a and b|.
-#include "layout/points/point_comparison.h"
+#include "matrix/points/point_comparison.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "layout/points/column_points.h"
+#include "matrix/points/column_points.h"
 
 #include <algorithm>
 #include <array>

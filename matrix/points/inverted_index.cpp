@@ -1,4 +1,4 @@
-#include "layout/points/inverted_index.h"
+#include "matrix/points/inverted_index.h"
 
 #include <algorithm>
 #include <cassert>

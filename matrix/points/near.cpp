@@ -2,30 +2,34 @@
 // inverted index where the points are sparse, from bits where they are dense (point_comparison.h). Columns of s times as many rows have about the root of s times as many ones where they are the rims of
 // regions, as on the power plant; the index then grows with the square of the sides, bits with the cube. Beyond that,
 // min-hash gives candidates, sketches choose among them, and the lists are those of exact distances (sketch.cpp).
-#include "layout/points/near.h"
+#include "matrix/points/near.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "layout/points/point_comparison.h"
-#include "layout/points/sketch.h"
+#include "matrix/points/point_comparison.h"
+#include "matrix/points/sketch.h"
 
 namespace vismat {
 namespace {
 
-NeighbourLists compare_all(const SparsePoints& points, std::uint32_t wanted,
+NeighbourLists compare_all(const SparsePoints& points, std::uint32_t wanted, std::uint32_t lacked,
                            const PointComparison& comparison, const Progress& progress, unsigned threads) {
   const std::size_t count = points.size();
   NeighbourLists lists{wanted, std::vector<std::uint32_t>(count * wanted),
                        std::vector<std::uint32_t>(count * wanted)};
-  const auto take = [&](std::uint32_t p, std::span<const std::uint32_t> distances) {
+  std::vector<std::uint32_t> weights;
+  for (std::uint32_t p = 0; p < count; ++p) weights.push_back(points.weight(p));
+  const auto take = [&](std::uint32_t p, std::span<const std::uint32_t> differences) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> nearest;  // (distance, point), the farthest first
     nearest.reserve(wanted + std::size_t{1});
     for (std::uint32_t q = 0; q < count; ++q) {
-      if (nearest.size() == wanted && distances[q] >= nearest.front().first) continue;
+      const std::uint32_t distance =
+          lacked == 1 ? differences[q] : distance_with(lacked, differences[q], weights[p], weights[q]);
+      if (nearest.size() == wanted && distance >= nearest.front().first) continue;
       if (q == p) continue;
-      nearest.emplace_back(distances[q], q);
+      nearest.emplace_back(distance, q);
       std::push_heap(nearest.begin(), nearest.end());
       if (nearest.size() <= wanted) continue;
       std::pop_heap(nearest.begin(), nearest.end());
@@ -42,7 +46,8 @@ NeighbourLists compare_all(const SparsePoints& points, std::uint32_t wanted,
 }
 
 // The zero point is as far from each point as that has ones.
-NeighbourLists with_zero(const NeighbourLists& lists, const SparsePoints& points, std::uint32_t wanted) {
+NeighbourLists with_zero(const NeighbourLists& lists, const SparsePoints& points, std::uint32_t wanted,
+                         std::uint32_t lacked) {
   const std::uint32_t count = points.size();
   NeighbourLists whole{wanted, {}, {}};
   std::vector<std::pair<std::uint32_t, std::uint32_t>> near;
@@ -51,7 +56,7 @@ NeighbourLists with_zero(const NeighbourLists& lists, const SparsePoints& points
     whole.ids.push_back(point);
   };
   for (std::uint32_t p = 0; p < count; ++p) {
-    near = {{points.weight(p), points.zero()}};
+    near = {{lacked * points.weight(p), points.zero()}};
     for (std::size_t n = 0; n < lists.per_point; ++n) {
       const std::size_t at = p * std::size_t{lists.per_point} + n;
       near.emplace_back(lists.distances[at], lists.ids[at]);
@@ -75,14 +80,16 @@ NearPoints near_points(const SparsePoints& points, const NearOptions& options, u
   NearPoints near;
   near.exact = wanted == 0 || all_pairs_cost(points).least() <= 1e9 * options.exact_seconds;
   if (wanted > 0 && near.exact) {
-    near.lists = compare_all(points, wanted, PointComparison(points),
+    near.lists = compare_all(points, wanted, options.lacked, PointComparison(points),
                              begin_stage(options.stages, "distances of all pairs"), threads);
   } else if (wanted > 0) {
-    near.lists =
-        nearby_points(points, ColumnSketches(points, 0, threads),
-                      {.neighbours = wanted, .seed = options.seed, .stages = options.stages}, threads);
+    near.lists = nearby_points(
+        points, ColumnSketches(points, 0, threads),
+        {.neighbours = wanted, .lacked = options.lacked, .seed = options.seed, .stages = options.stages},
+        threads);
   }
-  if (options.zero) near.lists = with_zero(near.lists, points, std::min(options.neighbours, count));
+  if (options.zero)
+    near.lists = with_zero(near.lists, points, std::min(options.neighbours, count), options.lacked);
   return near;
 }
 
