@@ -57,7 +57,7 @@ struct DeltaMatrix {
 
 // Whole rows, which lead into a view cell from outside, are no differences.
 DeltaMatrix read(const std::filesystem::path& file) {
-  const Dataset data = read_dataset(file);
+  const Dataset data = with_lists_in_place(read_dataset(file));
   if (data.source.boundaries.empty()) return {matrix_name(file), data.matrix};
   std::vector<std::uint64_t> offsets = {0};
   std::vector<std::uint32_t> ids;

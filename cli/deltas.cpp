@@ -124,6 +124,7 @@ void undo(const DeltasOptions& options) {
   try {
     if (deltas.source.boundaries.empty() && deltas.matrix.shape().rows > 0)
       throw std::invalid_argument("holds no boundaries; 'vismat deltas' makes them");
+    deltas = with_lists_in_place(std::move(deltas));
     const Deltas lists = {std::exchange(deltas.source.boundaries, {}), std::move(deltas.matrix)};
     cells = with_rows(deltas, cells_of(lists));
     cells.row_neighbours = neighbours_of(lists.boundaries);

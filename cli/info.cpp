@@ -49,6 +49,9 @@ void print_groups(const char* what, const std::optional<Partition>& groups) {
 
 void print_source_map(const SourceMap& source) {
   if (!source.boundaries.empty()) line("boundaries", summary_of(source.boundaries));
+  if (source.list_rows)
+    line("rows are", grouped(source.list_rows->groups()) + " of their " + grouped(source.list_rows->size()) +
+                         " lists, reordered");
   if (source.row_order || source.column_order) {
     const bool both = source.row_order == source.column_order;
     line("reordered", both                   ? "rows and columns, in the same order"
@@ -143,9 +146,10 @@ void print_container(const Container& container, std::span<const std::byte> file
        {std::pair(S::index, "index"), std::pair(S::bands, "bands"), std::pair(S::row_order, "row order"),
         std::pair(S::column_order, "column order"), std::pair(S::shared_order, "order of both"),
         std::pair(S::row_groups, "row groups"), std::pair(S::column_groups, "column groups"),
-        std::pair(S::boundaries, "boundaries"), std::pair(S::row_tree, "row tree"),
-        std::pair(S::tree, "column tree"), std::pair(S::row_names, "row names"),
-        std::pair(S::column_names, "column names"), std::pair(S::column_levels, "levels")}) {
+        std::pair(S::boundaries, "boundaries"), std::pair(S::list_rows, "list rows"),
+        std::pair(S::row_tree, "row tree"), std::pair(S::tree, "column tree"),
+        std::pair(S::row_names, "row names"), std::pair(S::column_names, "column names"),
+        std::pair(S::column_levels, "levels")}) {
     if (const std::size_t bytes = head.section(section).size(); bytes > 0)
       line(what, grouped(bytes) + " bytes");
   }

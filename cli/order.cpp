@@ -205,16 +205,12 @@ void run_order(const OrderOptions& options) {
     of_rows = order_side(transpose(data.matrix), options.rows, data, true, options);
     rows = of_rows->order;
   }
-  const bool were_nodes = data.source.columns_are_nodes, were_differences = !data.source.boundaries.empty();
+  const bool were_nodes = data.source.columns_are_nodes;
   const Dataset result = reordered(std::move(data), rows, columns);
   if (of_columns) print("columns", *of_columns);
   if (of_rows) print("rows", *of_rows);
   if (were_nodes && !result.source.columns_are_nodes) {
     std::printf("the columns were a tree's nodes; in another order they are not, so the tree is left out\n");
-  }
-  if (were_differences && result.source.boundaries.empty()) {
-    std::printf(
-        "the rows were differences between cells, known by their places; so the boundaries are left out\n");
   }
   write_matrix(options.out, result);
   if (!options.json.empty()) {

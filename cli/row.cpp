@@ -56,9 +56,9 @@ void run_row(const RowOptions& options) {
   const Shape shape = reader.shape();
   SourceMap source = reader.source();
   if (options.as_stored) source = {};
-  if (!source.boundaries.empty()) {  // these are of the view cells, not of the lists
+  if (!source.boundaries.empty()) {  // its rows are lists; order and groups are of the view cells
     source.row_order.reset();
-    source.row_groups.reset();
+    source.row_groups = source.list_rows;
   }
   std::uint32_t row = options.row;
   if (const std::uint32_t rows = source.row_groups ? source.row_groups->size() : shape.rows; row >= rows) {

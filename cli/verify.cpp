@@ -55,7 +55,7 @@ void print_side(const char* what, const Audit::Side& side) {
 void against_scene(const VerifyOptions& options) {
   Dataset dataset = read_any_matrix(options.matrix);
   if (dataset.source.row_order || dataset.source.column_order || dataset.source.row_groups ||
-      dataset.source.column_groups) {
+      dataset.source.column_groups || dataset.source.list_rows) {
     dataset = in_source_numbers(std::move(dataset));
   }
   const SceneFile file = read_scene(options.scene);

@@ -81,7 +81,18 @@ Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& c
   return dataset;
 }
 
+Dataset with_lists_in_place(Dataset dataset) {
+  if (!dataset.source.list_rows) return dataset;
+  drop_entries(dataset);
+  dataset.matrix = expand_rows(dataset.matrix, *dataset.source.list_rows);
+  dataset.row_bounds.clear();
+  dataset.row_neighbours.reset();
+  dataset.source.list_rows.reset();
+  return dataset;
+}
+
 Dataset in_source_order(Dataset dataset) {
+  dataset = with_lists_in_place(std::move(dataset));
   const auto [rows, columns] = dataset.matrix.shape();
   const SourceMap& source = dataset.source;
   const bool moves_rows = source.row_order && source.boundaries.empty();

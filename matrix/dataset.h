@@ -49,14 +49,15 @@ Dataset over_nodes(const Dataset& objects);
 /// The dataset in a new order, with boxes, neighbours and the source map reordered too (see reordered() in
 /// source_map.h).
 Dataset reordered(Dataset dataset, const Permutation& rows, const Permutation& columns);
-/// The dataset in the source's order, without stored orders. Rows that are differences stay as they are, and so does
-/// the order of their view cells.
+/// The dataset with list i of the boundaries in row i, without list_rows; any other is given back as it is.
+Dataset with_lists_in_place(Dataset dataset);
+/// The dataset in the source's order, without stored orders. Lists of differences are in place; the order of their view
+/// cells stays as it is.
 Dataset in_source_order(Dataset dataset);
 
 /// The dataset with its rows and columns merged into the unions of the groups; boxes are those around the members', and
 /// neighbours are merged too. Without a partition a side stays as it is. An exact matrix becomes conservative, an
-/// aggressive one unknown. The source map is merged as merged() in source_map.h says. Needs a dataset without
-/// boundaries.
+/// aggressive one unknown. The source map is merged as merged() in source_map.h says.
 Dataset merged(Dataset dataset, const std::optional<Partition>& rows,
                const std::optional<Partition>& columns);
 /// The matrix in the source's numbers: each of the source's rows and columns as its group has it. Geometry and trees of

@@ -1,7 +1,6 @@
 #include "matrix/source_map.h"
 
 #include <algorithm>
-#include <cassert>
 #include <stdexcept>
 #include <utility>
 
@@ -84,12 +83,16 @@ Shape SourceMap::source_shape(Shape shape) const {
 
 void check_source_map(const SourceMap& map, Shape shape) {
   if (!map.boundaries.empty()) {
-    need("boundaries", 2 * std::uint64_t{map.boundaries.size()}, "lists", shape.rows, "rows");
+    need("boundaries", 2 * std::uint64_t{map.boundaries.size()}, "lists", map.lists_of(shape),
+         map.list_rows ? "lists in list_rows" : "rows");
+    if (map.list_rows) need("list_rows", map.list_rows->groups(), "groups", shape.rows, "rows");
     try {
       BoundaryMap{map.boundaries};
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(std::string("boundaries: ") + error.what());
     }
+  } else if (map.list_rows) {
+    throw std::invalid_argument("list_rows: stand without boundaries, whose lists they are");
   }
   const std::uint32_t rows = map.rows_of(shape), columns = shape.columns;
   const char* const counted = map.boundaries.empty() ? "rows" : "view cells between the boundaries";
@@ -114,13 +117,6 @@ void drop_tree_over_lists(SourceMap& map, Shape shape) {
 }
 
 SourceMap reordered(SourceMap map, const Permutation& rows, const Permutation& columns) {
-  if (!rows.is_identity() && !map.boundaries.empty()) {
-    map.boundaries.clear();
-    map.row_tree.reset();
-    map.row_order.reset();
-    map.row_groups.reset();
-    map.row_names.clear();
-  }
   if (map.tree && !columns.is_identity()) {
     if (map.columns_are_nodes)
       map.tree.reset();
@@ -128,17 +124,22 @@ SourceMap reordered(SourceMap map, const Permutation& rows, const Permutation& c
       map.tree = with_objects(*map.tree, columns.new_of_old(), columns.size());
     map.columns_are_nodes = false;
   }
-  if (map.row_tree && !rows.is_identity())
-    map.row_tree = with_objects(*map.row_tree, rows.new_of_old(), rows.size());
-  if (map.boundaries.empty()) put_in_order(map.row_groups, map.row_order, rows);
+  if (map.boundaries.empty()) {
+    if (map.row_tree && !rows.is_identity())
+      map.row_tree = with_objects(*map.row_tree, rows.new_of_old(), rows.size());
+    put_in_order(map.row_groups, map.row_order, rows);
+  } else if (map.list_rows || !rows.is_identity()) {
+    map.list_rows = renumbered(map.list_rows ? *map.list_rows : Partition::identity(rows.size()), rows);
+  }
   put_in_order(map.column_groups, map.column_order, columns);
   return map;
 }
 
 SourceMap merged(SourceMap map, const std::optional<Partition>& rows,
                  const std::optional<Partition>& columns) {
-  assert(map.boundaries.empty());
-  if (rows) {
+  if (rows && !map.boundaries.empty()) {
+    map.list_rows = map.list_rows ? followed_by(*map.list_rows, *rows) : *rows;
+  } else if (rows) {
     map.row_groups = from_source(map.row_groups, map.row_order, *rows);
     map.row_order.reset();
     map.row_tree.reset();

@@ -22,8 +22,8 @@ struct ObjectLevel {
 /// The *source's* numbers are those that rows and columns had when the matrix was made; *present* numbers are those of
 /// the matrix as it is now. A member that is absent says that there is no such thing: no order, no groups, no tree.
 ///
-/// If there are boundaries, the matrix's rows are lists of differences (Deltas), and everything that is said here about
-/// rows refers to the view cells between which the boundaries lie.
+/// If there are boundaries, the matrix's rows are lists of differences (Deltas), and everything but list_rows that is
+/// said here about rows refers to the view cells between which the boundaries lie.
 struct SourceMap {
   /// The present place of each of the source's rows and columns, if they were reordered.
   std::optional<Permutation> row_order, column_order;
@@ -36,8 +36,11 @@ struct SourceMap {
   bool columns_are_nodes = false;
   /// A tree over the present rows, which its leaves hold as objects.
   std::optional<ObjectTree> row_tree;
-  /// The view cells between which the rows are differences: two rows for each boundary.
+  /// The view cells between which the rows are differences: two lists for each boundary (Deltas).
   std::vector<Boundary> boundaries;
+  /// The present row that holds each of the boundaries' lists, if lists were reordered or equal ones stored once.
+  /// Absent: row i is list i.
+  std::optional<Partition> list_rows;
   /// For each of the source's rows and columns, in the source's numbers whatever the present order is: its name (UTF-8
   /// without zero bytes); and for columns, which level of detail of which object it is.
   std::vector<std::string> row_names, column_names;
@@ -46,6 +49,8 @@ struct SourceMap {
 
   /// The number of rows that orders, groups and names refer to: the matrix's rows or, for differences, the view cells.
   std::uint32_t rows_of(Shape shape) const;
+  /// The number of lists of differences that the matrix's rows hold.
+  std::uint32_t lists_of(Shape shape) const { return list_rows ? list_rows->size() : shape.rows; }
   /// The number of rows and columns that the source had.
   Shape source_shape(Shape shape) const;
 };
@@ -59,12 +64,11 @@ void check_source_map(const SourceMap& map, Shape shape);
 void drop_tree_over_lists(SourceMap& map, Shape shape);
 
 /// The map of the matrix in a new order. A tree whose nodes are the columns cannot follow a new order of columns and is
-/// left out; boundaries cannot follow a new order of rows and are left out, together with all that refers to the view
-/// cells.
+/// left out.
 SourceMap reordered(SourceMap map, const Permutation& rows, const Permutation& columns);
-/// The map of the matrix whose rows or columns are merged into groups. Needs a map without boundaries. A tree over
-/// merged rows is left out, and so is one whose nodes are merged columns; in a tree over merged columns the objects are
-/// replaced by their groups.
+/// The map of the matrix whose rows or columns are merged into groups. A tree over merged rows is left out, and so is
+/// one whose nodes are merged columns; in a tree over merged columns the objects are replaced by their groups. Lists of
+/// differences may only be merged with equal ones.
 SourceMap merged(SourceMap map, const std::optional<Partition>& rows,
                  const std::optional<Partition>& columns);
 /// The map of the same matrix with the nodes of its tree as columns instead of its objects. What refers to objects is

@@ -51,7 +51,7 @@ std::string text(std::span<const std::byte> bytes) {
 }
 
 bool is_known(std::uint32_t kind) {
-  return (kind >= std::uint32_t(Section::facts) && kind <= std::uint32_t(Section::payload)) ||
+  return (kind >= std::uint32_t(Section::facts) && kind <= std::uint32_t(Section::list_rows)) ||
          (kind >= std::uint32_t(Section::first_shared) && kind <= std::uint32_t(Section::last_shared));
 }
 
@@ -175,6 +175,7 @@ std::vector<std::byte> write_container(const Container& container) {
   add(Section::bands, band_bytes(encoded.bands, container.shape.rows));
   add(Section::index, encoded.index);
   add(Section::payload, encoded.payload);
+  if (source.list_rows) add(Section::list_rows, group_bytes(*source.list_rows));
   for (std::size_t i = 0; i < encoded.shared.size(); ++i) {
     if (encoded.shared[i].empty())
       throw std::invalid_argument("shared section " + std::to_string(i) + " is empty");
@@ -217,7 +218,8 @@ SourceMap read_source_map(const ContainerHead& head, const CheckedBytes& body) {
     if (nodes) throw FormatError("row tree section: rows that are a tree's nodes");
     map.row_tree = std::move(tree);
   }
-  map.boundaries = boundaries_from_bytes(section(Section::boundaries), head.shape.rows);
+  map.list_rows = groups_from_bytes(section(Section::list_rows), head.shape.rows);
+  map.boundaries = boundaries_from_bytes(section(Section::boundaries), map.lists_of(head.shape));
   const auto [rows, columns] = Shape{map.rows_of(head.shape), head.shape.columns};
   map.row_order = order_from_bytes(section(Section::row_order), rows);
   map.column_order = order_from_bytes(section(Section::column_order), columns);

@@ -137,7 +137,7 @@ std::vector<std::byte> boundary_bytes(std::span<const Boundary> boundaries) {
   return out;
 }
 
-std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, std::uint32_t rows) {
+std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, std::uint32_t lists) {
   std::vector<Boundary> boundaries;
   if (bytes.empty()) return boundaries;
   ByteReader in(bytes, "boundary section");
@@ -159,9 +159,9 @@ std::vector<Boundary> boundaries_from_bytes(std::span<const std::byte> bytes, st
     last = cell(last, in.varint());
     boundaries.push_back({last, cell(last, in.varint())});
   }
-  if (2 * std::uint64_t{boundaries.size()} != rows) {
-    in.fail(std::to_string(boundaries.size()) + " boundaries for " + std::to_string(rows) +
-            " rows; there are two rows a boundary");
+  if (2 * std::uint64_t{boundaries.size()} != lists) {
+    in.fail(std::to_string(boundaries.size()) + " boundaries for " + std::to_string(lists) +
+            " lists; there are two lists a boundary");
   }
   try {
     BoundaryMap{boundaries};

@@ -35,6 +35,7 @@ enum class Section : std::uint32_t {
   bands = 14,
   index = 15,
   payload = 16,
+  list_rows = 17,
   first_shared = 32,
   last_shared = 63,
 };

@@ -61,9 +61,10 @@ std::optional<Permutation> read_order(const Hdf5File& file, const std::string& n
 }
 
 std::optional<Partition> read_groups(const Hdf5File& file, const std::string& name, std::uint32_t groups,
-                                     const std::string& order) {
+                                     const std::string& order = {}) {
   if (!file.contains(name)) return std::nullopt;
-  if (file.contains(order)) refuse_array(name, "stands beside " + order + "; the groups tell the order too");
+  if (!order.empty() && file.contains(order))
+    refuse_array(name, "stands beside " + order + "; the groups tell the order too");
   try {
     auto partition = Partition::from_group_of_member(file.read<std::uint32_t>(name));
     if (partition.groups() != groups) {
@@ -98,15 +99,16 @@ std::optional<VisibilityMatrix> read_neighbours(const Hdf5File& file, std::uint3
   return VisibilityMatrix::from_csr({rows, rows}, std::move(offsets), std::move(ids));
 }
 
-std::vector<Boundary> read_boundaries(const Hdf5File& file, std::uint32_t rows) {
+std::vector<Boundary> read_boundaries(const Hdf5File& file, std::uint32_t lists) {
   const std::string name = "/vismat/boundaries";
   if (!file.contains(name)) return {};
   const auto dimensions = file.dimensions(name);
-  if (rows % 2 != 0 || dimensions != std::vector<std::uint64_t>{rows / 2, 2}) {
-    refuse_array(name, "must have dimensions [rows / 2, 2], but there are " + std::to_string(rows) + " rows");
+  if (lists % 2 != 0 || dimensions != std::vector<std::uint64_t>{lists / 2, 2}) {
+    refuse_array(name,
+                 "must have dimensions [lists / 2, 2], but there are " + std::to_string(lists) + " lists");
   }
   const std::vector<std::uint32_t> cells = file.read<std::uint32_t>(name);
-  std::vector<Boundary> boundaries(rows / 2);
+  std::vector<Boundary> boundaries(lists / 2);
   for (std::size_t b = 0; b < boundaries.size(); ++b) boundaries[b] = {cells[2 * b], cells[2 * b + 1]};
   try {
     BoundaryMap map(boundaries);
@@ -189,7 +191,8 @@ SourceMap read_source_map(const Hdf5File& file, const VisibilityMatrix& matrix) 
   const Shape shape = matrix.shape();
   SourceMap map;
   map.columns_are_nodes = file.number_attribute("/", "vismat_columns_are_nodes").value_or(0) != 0;
-  map.boundaries = read_boundaries(file, shape.rows);
+  map.list_rows = read_groups(file, "/vismat/list_rows", shape.rows);
+  map.boundaries = read_boundaries(file, map.lists_of(shape));
   map.row_order = read_order(file, "/vismat/row_order", map.rows_of(shape));
   map.column_order = read_order(file, "/vismat/column_order", shape.columns);
   map.row_groups = read_groups(file, "/vismat/row_groups", map.rows_of(shape), "/vismat/row_order");
@@ -289,6 +292,7 @@ void write_binsparse(Hdf5File& file, const Dataset& dataset) {
     file.write<float>("/vismat/degree_of_visibility", dataset.degree_of_visibility, {matrix.ones()});
   }
   write_boundaries(file, map.boundaries);
+  write_groups(file, "/vismat/list_rows", map.list_rows);
   write_tree(file, tree_group, map.tree);
   write_tree(file, row_tree_group, map.row_tree);
   write_names(file, row_names_array, map.row_names);

@@ -162,11 +162,24 @@ TEST_F(Program, TakesDifferencesAndUndoesThem) {
         run.out, none ? "0 between 60 view cells, 60 from outside" : "between 60 view cells, 1 from outside"))
         << run.out;
     EXPECT_EQ(dataset("deltas.bsp.h5").rows_are, "boundary list");
-    vismat_succeeds("deltas --undo deltas.bsp.h5 -o out.bsp.h5");
-    const Dataset after = dataset("out.bsp.h5");
-    EXPECT_EQ(after.matrix, before.matrix);
-    EXPECT_EQ(after.column_bounds, before.column_bounds);
-    EXPECT_EQ(after.guarantee, Guarantee::exact);
+    vismat_succeeds("order deltas.bsp.h5 --columns identity --rows greedy -o moved.bsp.h5");
+    for (const std::string name : {"deltas", "moved"}) {
+      vismat_succeeds("deltas --undo " + name + ".bsp.h5 -o out.bsp.h5");
+      const Dataset after = dataset("out.bsp.h5");
+      EXPECT_EQ(after.matrix, before.matrix);
+      EXPECT_EQ(after.column_bounds, before.column_bounds);
+      EXPECT_EQ(after.guarantee, Guarantee::exact);
+    }
+    vismat_succeeds("encode deltas.bsp.h5 --codec rows-quick -o x.vmat");
+    vismat_succeeds("decode x.vmat -o out.bsp.h5");
+    const Dataset lists = dataset("deltas.bsp.h5"), back = dataset("out.bsp.h5");
+    EXPECT_EQ(back.source.boundaries, lists.source.boundaries);
+    EXPECT_EQ(in_source_numbers(back).matrix, lists.matrix);
+    for (const std::uint32_t list : {0u, lists.matrix.shape().rows - 1}) {
+      std::string expected;
+      for (const std::uint32_t id : lists.matrix.row(list)) expected += std::to_string(id) + "\n";
+      EXPECT_EQ(vismat_succeeds("row x.vmat " + std::to_string(list)).out, expected);
+    }
     const std::string info = vismat("info deltas.bsp.h5").out;
     EXPECT_TRUE(contains(info, "\nboundaries       ")) << info;
   }

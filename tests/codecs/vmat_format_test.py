@@ -60,7 +60,11 @@ class Format(unittest.TestCase):
             run("see", folder / "city.scene.h5", "--producer", "climbing", "--objects", "-o", folder / "city.bsp.h5")
             run("order", folder / "city.bsp.h5", "--columns", "random", "--rows", "greedy", "-o", folder / "ordered.bsp.h5")
             run("merge", folder / "city.bsp.h5", "--lost", ".1", "-o", folder / "merged.bsp.h5")
-            for name in ("ordered", "merged"):
+            run("deltas", folder / "city.bsp.h5", "-o", folder / "deltas.bsp.h5")
+            run("order", folder / "deltas.bsp.h5", "--columns", "identity", "--rows", "greedy", "-o", folder / "moved.bsp.h5")
+            with h5py.File(folder / "moved.bsp.h5") as source:
+                self.assertIn("list_rows", source["vismat"])
+            for name in ("ordered", "merged", "moved"):
                 run("encode", folder / f"{name}.bsp.h5", "-o", folder / "m.vmat")
                 file = File((folder / "m.vmat").read_bytes())
                 with h5py.File(folder / f"{name}.bsp.h5") as source:
@@ -70,7 +74,8 @@ class Format(unittest.TestCase):
                         self.assertEqual(key in stored, bool(section))
                         if section:
                             self.assertEqual(read_order(section, n), list(stored[key]))
-                    for key in ("row_groups", "column_groups"):
+                    for key in ("row_groups", "column_groups", "list_rows"):
+                        self.assertEqual(key in stored, bool(file.sections[key.replace("_", " ")]))
                         if key in stored:
                             self.assertEqual(read_groups(file.sections[key.replace("_", " ")]), list(stored[key]))
                     parents, objects, count, nodes = read_tree(file.sections["tree"])

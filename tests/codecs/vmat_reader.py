@@ -11,7 +11,7 @@ def bits_of(data):
 
 SECTIONS = {1: "facts", 2: "tree", 3: "row tree", 4: "row order", 5: "column order", 6: "order of both", 7: "row groups",
             8: "column groups", 9: "boundaries", 10: "row names", 11: "column names", 12: "column levels", 13: "boxes", 14: "bands",
-            15: "index", 16: "payload"}
+            15: "index", 16: "payload", 17: "list rows"}
 
 
 class File:

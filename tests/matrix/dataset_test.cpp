@@ -106,15 +106,27 @@ TEST(Dataset, ReorderedLeavesOutATreeWhoseNodesTheColumnsWere) {
   EXPECT_FALSE(after.source.columns_are_nodes);
 }
 
-TEST(Dataset, ReorderedKeepsBoundariesUnlessRowsMove) {
+TEST(Dataset, BoundariesFindTheirListsWhereverTheseMove) {
   const Dataset before = differences();
   const auto columns = Permutation::from_new_of_old({1, 0, 2});
   const Dataset after = reordered(before, Permutation::identity(8), columns);
   EXPECT_EQ(after.source.boundaries, before.source.boundaries);
   EXPECT_EQ(cells_of({after.source.boundaries, after.matrix}),
             permute(cells_of({before.source.boundaries, before.matrix}), Permutation::identity(4), columns));
-  const auto rows = Permutation::from_new_of_old({1, 0, 2, 3, 4, 5, 6, 7});
-  EXPECT_TRUE(reordered(before, rows, columns).source.boundaries.empty());
+  const auto rows = Permutation::from_new_of_old({1, 7, 2, 3, 4, 5, 6, 0});
+  Dataset moved = merged(before, equal_rows(before.matrix), std::nullopt);
+  ASSERT_EQ(moved.matrix.shape().rows, 4u);
+  moved = reordered(std::move(moved), Permutation::from_new_of_old({2, 0, 3, 1}), columns);
+  moved = merged(std::move(moved), equal_rows(moved.matrix), std::nullopt);
+  for (const Dataset& dataset : {reordered(before, rows, columns), moved}) {
+    EXPECT_NO_THROW(check_source_map(dataset.source, dataset.matrix.shape()));
+    const Dataset back = with_lists_in_place(dataset);
+    EXPECT_EQ(back.matrix, after.matrix);
+    EXPECT_FALSE(back.source.list_rows);
+    EXPECT_EQ(back.source.boundaries, before.source.boundaries);
+    EXPECT_EQ(in_source_numbers(dataset).matrix, before.matrix);
+    EXPECT_EQ(dataset.source.row_order, before.source.row_order);
+  }
 }
 
 TEST(Dataset, MergedUnitesAllThatGoesByRowsAndColumns) {
@@ -248,10 +260,10 @@ TEST(Dataset, RefusesGeometryThatDoesNotFit) {
   misfit.source.row_names.pop_back();
   EXPECT_THROW(write_dataset(folder / "b.h5", misfit), std::invalid_argument);
   EXPECT_EQ(folder.entries(), 1u);
-  refused("/vismat/boundaries: must have dimensions [rows / 2, 2], but there are 3 rows", [](Dataset& d) {
+  refused("/vismat/boundaries: must have dimensions [lists / 2, 2], but there are 3 lists", [](Dataset& d) {
     d.source.boundaries = {{Boundary::outside, 0}};
   });
-  refused("/vismat/boundaries: must have dimensions [rows / 2, 2], but there are 8 rows", [](Dataset& d) {
+  refused("/vismat/boundaries: must have dimensions [lists / 2, 2], but there are 8 lists", [](Dataset& d) {
     d = differences();
     d.source.boundaries.pop_back();
   });
