@@ -1,4 +1,4 @@
-// What the verbs about rows-small and rows-quick share: matrices, and their rows in the order that these codecs like.
+// What the verbs about rows-small and rows-quick share.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -13,7 +13,6 @@ namespace vismat::bench {
 
 struct RowMatrix {
   std::string name;
-  bool rows_move;  // differences stay in the order of their boundaries
   VisibilityMatrix matrix;
 };
 
@@ -33,15 +32,9 @@ inline VisibilityMatrix rows_ordered(const VisibilityMatrix& matrix, const Permu
   return permute(matrix, rows, Permutation::identity(matrix.shape().columns));
 }
 
-/// Rows that may move are in the order of their references.
-inline VisibilityMatrix in_own_order(const VisibilityMatrix& matrix, const RowLimits& limits,
-                                     bool rows_move) {
-  return rows_move ? rows_ordered(matrix, order_for_references(matrix, limits, 0)) : matrix;
-}
-
-/// What the matrix takes in that order.
-inline std::uint64_t bytes_within(const VisibilityMatrix& matrix, const RowLimits& limits, bool rows_move) {
-  return encode_modelled_rows(in_own_order(matrix, limits, rows_move), limits, 0).bytes();
+/// What the matrix takes in these codecs' own order of rows.
+inline std::uint64_t bytes_within(const VisibilityMatrix& matrix, const RowLimits& limits) {
+  return encode_modelled_rows(matrix, limits, {.rows_may_move = true}).bytes();
 }
 
 }  // namespace vismat::bench

@@ -93,11 +93,11 @@ class SpentCounter {
 };
 
 std::string bits_of(const std::string& name, const VisibilityMatrix& matrix, const RowTier& tier) {
-  const RowEncoder encoder(matrix, *tier.limits, 0);
+  const RowEncoder encoder(matrix, *tier.limits, {.rows_may_move = true});
   SpentCounter counter;
   encoder.code_model(counter);
   for (const Group& group : encoder.groups()) encoder.code_group(counter, group);
-  const Encoded encoded = encode_modelled_rows(matrix, *tier.limits, 0);
+  const Encoded encoded = encode_modelled_rows(matrix, *tier.limits, {.rows_may_move = true});
   std::string lines;
   double counted = 0;
   const auto line = [&](const char* kind, double bytes) {
@@ -122,8 +122,10 @@ VisibilityMatrix columns_ordered(const VisibilityMatrix& matrix, const Permutati
 // The units that all rows take more if the second reference of each is the empty row; references stay as they are.
 double bytes_of_second_references(const VisibilityMatrix& matrix, const RowLimits& limits) {
   const RowEnds ends(matrix);
-  const RowPlan plan = plan_rows(matrix, ends, limits, 0);
-  const auto row = [&](std::uint32_t place) { return ends[place == no_row ? ends.rows() : place]; };
+  const RowPlan plan = plan_rows(ends, limits, {.rows_may_move = true});
+  const auto row = [&](std::uint32_t place) {
+    return ends[place == no_row ? ends.rows() : plan.order[place]];
+  };
   double units = 0;
   for (std::uint32_t r = 0; r < ends.rows(); ++r) {
     const std::uint32_t a = plan.reference[r], b = a == no_row ? no_row : plan.reference[a];
@@ -135,7 +137,7 @@ double bytes_of_second_references(const VisibilityMatrix& matrix, const RowLimit
 
 // `whole` has equal rows and columns as often as they come; `once` has them once, columns in the best order.
 std::string ablation_of(const std::string& name, const VisibilityMatrix& whole, const VisibilityMatrix& once,
-                        bool rows_move, const RowTier& tier) {
+                        const RowTier& tier) {
   const RowLimits& limits = *tier.limits;
   std::string lines;
   const auto line = [&](const char* without, double bytes) {
@@ -144,23 +146,20 @@ std::string ablation_of(const std::string& name, const VisibilityMatrix& whole, 
   const auto changed = [&](const char* without, auto RowLimits::*limit, auto value) {
     RowLimits other = limits;
     other.*limit = value;
-    line(without, static_cast<double>(bytes_within(once, other, rows_move)));
+    line(without, static_cast<double>(bytes_within(once, other)));
   };
-  const VisibilityMatrix ordered = in_own_order(once, limits, rows_move);
-  const auto all = static_cast<double>(encode_modelled_rows(ordered, limits, 0).bytes());
+  const auto all = static_cast<double>(bytes_within(once, limits));
   line("nothing", all);
-  line("second reference", all + bytes_of_second_references(ordered, limits));
+  line("second reference", all + bytes_of_second_references(once, limits));
   changed("groups", &RowLimits::group, 1u);
   changed("kept rows", &RowLimits::kept, 0u);
   changed("references", &RowLimits::microseconds, 0.);
   changed("limit of time", &RowLimits::microseconds, 1e6);
-  if (rows_move) {
-    line("order of rows by references",
-         static_cast<double>(
-             encode_modelled_rows(rows_ordered(once, order_rows_greedily(once)), limits, 0).bytes()));
-    line("duplicates once",
-         static_cast<double>(bytes_within(columns_ordered(whole, best_order(whole)), limits, true)));
-  }
+  line("order of rows by references",
+       static_cast<double>(
+           encode_modelled_rows(rows_ordered(once, order_rows_greedily(once)), limits, {}).bytes()));
+  line("duplicates once",
+       static_cast<double>(bytes_within(columns_ordered(whole, best_order(whole)), limits)));
   return lines;
 }
 
@@ -193,19 +192,20 @@ VisibilityMatrix every_second_row(const VisibilityMatrix& matrix) {
 struct Sensitivity {
   const StudyOptions& options;
   std::string name;
-  bool rows_move;
   std::string lines = {};
 
-  // Rows that may move are in the codec's own order for `rows_of`, whose columns are in order already.
+  // Rows are in the codec's own order for `rows_of`, whose columns are in order already; null: as they are.
   void add(double share, const char* order, const VisibilityMatrix& matrix, const VisibilityMatrix* rows_of) {
     for (const std::string& codec_name : options.codecs) {
       const Codec codec = find_codec(codec_name);
       VisibilityMatrix coded = matrix;
-      if (rows_of != nullptr && rows_move && codec.row_order != nullptr)
-        coded = rows_ordered(matrix, codec.row_order(*rows_of, {}));
-      else if (rows_of != nullptr && rows_move)
-        coded = rows_ordered(matrix, order_rows_greedily(*rows_of));
-      const Encoded encoded = codec.encode(coded, {}, {});
+      const bool moves = rows_of == &matrix && codec.orders_rows;
+      if (rows_of != nullptr && !moves)
+        coded = rows_ordered(matrix, codec.orders_rows
+                                         ? *codec.encode(*rows_of, {}, {.rows_may_move = true}).row_order
+                                         : order_rows_greedily(*rows_of));
+      const Encoded encoded = codec.encode(coded, {}, {.rows_may_move = moves});
+      if (moves) coded = rows_ordered(matrix, *encoded.row_order);
       if (codec.decode(Parts(encoded), coded.shape(), {}, coded.ones()) != coded)
         throw std::logic_error(codec_name + " does not restore its matrix");
       lines += csv_line(csv_quoted(name), share, order, codec_name, encoded.bytes());
@@ -229,7 +229,7 @@ Permutation of_groups(const Permutation& order, const Partition& groups) {
 std::string sensitivity_of(const RowMatrix& subject, const VisibilityMatrix& once, const RowMatrix* other,
                            const StudyOptions& options) {
   const auto [rows, columns] = once.shape();
-  Sensitivity table{options, subject.name, subject.rows_move};
+  Sensitivity table{options, subject.name};
   const auto in_order_of = [&](double share, const char* order, const VisibilityMatrix& matrix,
                                const Permutation& by) {
     const VisibilityMatrix ordered = columns_ordered(matrix, by);
@@ -238,8 +238,7 @@ std::string sensitivity_of(const RowMatrix& subject, const VisibilityMatrix& onc
   const Permutation best = best_order(once);
   in_order_of(0, "best", once, best);
   table.add(0, "natural", once, nullptr);
-  const Permutation any_rows = subject.rows_move ? random_order(rows, 1) : Permutation::identity(rows);
-  table.add(0, "random", permute(once, any_rows, random_order(columns, 2)), nullptr);
+  table.add(0, "random", permute(once, random_order(rows, 1), random_order(columns, 2)), nullptr);
   in_order_of(0, "of half the rows", once, best_order(every_second_row(once)));
   if (other != nullptr) {
     Permutation order = best_order(other->matrix);
@@ -271,22 +270,19 @@ void run(const StudyOptions& options) {
               sensitivity = "matrix,flipped,order,codec,bytes\n";
   std::vector<RowMatrix> subjects;
   for (const auto& file : options.files) {
-    Dataset data = read_dataset(file);
-    subjects.push_back({matrix_name(file), data.source.boundaries.empty(), std::move(data.matrix)});
+    subjects.push_back({matrix_name(file), with_lists_in_place(read_dataset(file)).matrix});
   }
   for (const RowMatrix& subject : subjects) {
     std::printf("%s\n", subject.name.c_str());
     std::fflush(stdout);
-    VisibilityMatrix once = subject.matrix;
-    if (subject.rows_move) {
-      Dataset data;
-      data.matrix = std::move(once);
-      once = prepared_for(find_codec("rows-small"), std::move(data), {.orders = false}).matrix;
-    }
+    Dataset data;
+    data.matrix = subject.matrix;
+    const VisibilityMatrix once =
+        prepared_for(find_codec("rows-small"), std::move(data), {.orders = false}).matrix;
     const VisibilityMatrix ordered = columns_ordered(once, best_order(once));
     for (const RowTier& tier : row_tiers) {
-      ablation += ablation_of(subject.name, subject.matrix, ordered, subject.rows_move, tier);
-      bits += bits_of(subject.name, in_own_order(ordered, *tier.limits, subject.rows_move), tier);
+      ablation += ablation_of(subject.name, subject.matrix, ordered, tier);
+      bits += bits_of(subject.name, ordered, tier);
     }
     sensitivity += sensitivity_of(subject, once, other_of(subject, subjects), options);
   }

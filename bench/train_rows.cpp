@@ -75,7 +75,7 @@ std::vector<Decision> decisions_of(const RowMatrix& subject, const RowWeights& w
   for (const RowTier& tier : row_tiers) {
     RowLimits limits = *tier.limits;
     limits.weights = &weights;
-    const RowEncoder encoder(in_own_order(subject.matrix, limits, subject.rows_move), limits, 0);
+    const RowEncoder encoder(subject.matrix, limits, {.rows_may_move = true});
     encoder.code_model(list);
     for (const Group& group : encoder.groups()) encoder.code_group(list, group);
   }
@@ -85,7 +85,7 @@ std::vector<Decision> decisions_of(const RowMatrix& subject, const RowWeights& w
 std::uint64_t bytes_of(const RowMatrix& subject, const RowLimits& built_in, const RowWeights& weights) {
   RowLimits limits = built_in;
   limits.weights = &weights;
-  return bytes_within(subject.matrix, limits, subject.rows_move);
+  return bytes_within(subject.matrix, limits);
 }
 
 RowWeights rounded(const std::vector<float>& weights) {
@@ -226,12 +226,8 @@ constinit const std::array<std::uint16_t, 1024> chance_of_sum = [] {
 
 RowMatrix subject_of(const std::filesystem::path& file, bool as_is) {
   Dataset data = read_dataset(file);
-  RowMatrix subject{matrix_name(file), data.source.boundaries.empty(), {}};
-  if (!as_is) {
-    Codec codec = find_codec("rows-small");
-    codec.row_order = nullptr;
-    data = prepared_for(codec, std::move(data));
-  }
+  RowMatrix subject{matrix_name(file), {}};
+  if (!as_is) data = prepared_for(find_codec("rows-small"), std::move(data));
   subject.matrix = std::move(data.matrix);
   return subject;
 }

@@ -43,7 +43,7 @@ void print_sizes(const EncodeArguments& options, const Container& container,
   using S = vmat::Section;
   tell("trees", {S::tree, S::row_tree});
   tell("orders", {S::row_order, S::column_order, S::shared_order});
-  tell("groups", {S::row_groups, S::column_groups});
+  tell("groups", {S::row_groups, S::column_groups, S::list_rows});
   tell("names", {S::row_names, S::column_names, S::column_levels});
   std::printf("\n");
 }
@@ -60,13 +60,9 @@ void run_encode(EncodeArguments options) {
   Dataset data = read_matrix(options.in);
   if (const std::string why = obstacle(codec, data); !why.empty())
     throw std::invalid_argument(options.in.string() + ": " + why);
-  const bool were_differences = !data.source.boundaries.empty();
-  data = prepared_for(codec, std::move(data), {.orders = options.order == "greedy", .stages = show_progress});
-  if (were_differences && data.source.boundaries.empty()) {
-    std::printf(
-        "The rows are differences between view cells, which their places identify. They were reordered, so "
-        "the boundaries are left out; --rows natural keeps them.\n");
-  }
+  options.encode.rows_may_move = options.order == "greedy";
+  data =
+      prepared_for(codec, std::move(data), {.orders = options.encode.rows_may_move, .stages = show_progress});
   if (codec.slow_encode) options.encode.progress = show_progress("encoding");
   Container container = compress(data, codec, options.encode);
   container.facts = facts_of(data);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,6 +36,9 @@ struct Encoded {
   std::vector<std::vector<std::byte>> shared = {};
   /// The first rows of the bands, which are decoded without the rows before them. Empty, or ascending from row 0.
   std::vector<std::uint32_t> bands = {};
+  /// Where each row of the matrix stands in the payload, if rows were allowed to move. compress() puts it into the
+  /// file's source map.
+  std::optional<Permutation> row_order = {};
   bool operator==(const Encoded&) const = default;
   /// The bytes of payload, index and shared sections: what tables count.
   std::uint64_t bytes() const {
@@ -74,9 +78,11 @@ struct Side {
 /// Each codec says which of these it uses; most use none. As long as `seconds` is 0, the same matrix, side, effort and
 /// seed give the same bytes with any number of threads.
 struct EncodeOptions {
-  unsigned effort = 0;     // 0: the effort of tables; up to Codec::highest_effort
-  double seconds = 0;      // searches for that long; 0: until the codec's own rule ends the search
-  unsigned threads = 0;    // 0: one for each core
+  unsigned effort = 0;   // 0: the effort of tables; up to Codec::highest_effort
+  double seconds = 0;    // searches for that long; 0: until the codec's own rule ends the search
+  unsigned threads = 0;  // 0: one for each core
+  /// Codecs that order rows may store them in the order that suits them best; Encoded::row_order tells which.
+  bool rows_may_move = false;
   std::uint64_t seed = 1;  // of the search
   Progress progress = {};  // the work done and the work in all
 };
@@ -88,6 +94,7 @@ struct Codec {
   Origin origin = Origin::ours;
   Needs needs = {};
   bool slow_encode = false;         // takes milliseconds for a few dozen rows, seconds or minutes for a level
+  bool orders_rows = false;         // has an order of rows of its own (EncodeOptions::rows_may_move)
   bool searches = false;            // encode() continues for EncodeOptions::seconds if they are given
   unsigned highest_effort = 0;      // of EncodeOptions::effort
   std::uint32_t rows_per_part = 1;  // row codecs: rows that share a part
@@ -100,9 +107,6 @@ struct Codec {
   /// Row codecs, and tree codecs over rows: opens the payload for reading single rows. Otherwise null. Copies what it
   /// needs of the parts; the bytes and the side are borrowed. Throws FormatError as decode() does.
   std::unique_ptr<const RowSource> (*open)(Parts, Shape, const Side&) = nullptr;
-  /// The order of rows that suits the codec best, for the order of columns that the matrix has. Null: any, or what
-  /// `needs` names. Uses threads.
-  Permutation (*row_order)(const VisibilityMatrix&, const EncodeOptions&) = nullptr;
   /// Tree codecs: how the codec codes a node (tree_coding.h). Otherwise null.
   std::unique_ptr<NodeCoder> (*node_coder)() = nullptr;
 

@@ -13,7 +13,6 @@ namespace {
 
 // Equal rows and equal columns once. Nothing is lost by it, so the guarantee stays.
 Dataset distinct(Dataset data, bool rows_too, bool columns_too) {
-  if (!data.source.boundaries.empty()) return data;  // differences are known by their places
   std::optional<Partition> rows, columns;
   if (rows_too) {
     if (auto groups = equal_rows(data.matrix); groups.groups() < groups.size()) rows = std::move(groups);
@@ -70,10 +69,7 @@ Dataset prepared_for(const Codec& codec, Dataset data, const PrepareOptions& opt
     by_columns = best_order(data.matrix, {.stages = options.stages});
   if (needs.shared_order && rows == columns && data.source.boundaries.empty())
     by_rows = by_columns;
-  else if (codec.row_order != nullptr && data.source.boundaries.empty())
-    by_rows = codec.row_order(permute(data.matrix, by_rows, by_columns),
-                              {.progress = begin_stage(options.stages, "ordering rows")});
-  else if (needs.row_order)  // differences lose their boundaries by it; who wants these asks for no orders
+  else if (needs.row_order)
     by_rows = order_rows_greedily(data.matrix, begin_stage(options.stages, "ordering rows"));
   return reordered(std::move(data), by_rows, by_columns);
 }

@@ -334,12 +334,9 @@ Codec modelled(std::string_view name, std::string_view contents) {
   Codec codec{.name = name, .contents = contents};
   codec.needs = {.column_order = true, .distinct = true};
   codec.encode = [](const VisibilityMatrix& matrix, const Side&, const EncodeOptions& options) {
-    return encode_modelled_rows(matrix, limits, options.threads);
+    return encode_modelled_rows(matrix, limits, options);
   };
-  codec.slow_encode = true;
-  codec.row_order = [](const VisibilityMatrix& matrix, const EncodeOptions& options) {
-    return order_for_references(matrix, limits, options.threads);
-  };
+  codec.slow_encode = codec.orders_rows = true;
   codec.decode = decode_modelled;
   codec.open = open_modelled;
   return codec;
@@ -347,8 +344,9 @@ Codec modelled(std::string_view name, std::string_view contents) {
 
 }  // namespace
 
-Encoded encode_modelled_rows(const VisibilityMatrix& matrix, const RowLimits& limits, unsigned threads) {
-  const RowEncoder encoder(matrix, limits, threads);
+Encoded encode_modelled_rows(const VisibilityMatrix& matrix, const RowLimits& limits,
+                             const EncodeOptions& options) {
+  const RowEncoder encoder(matrix, limits, options);
   Encoded out;
   put_varint(out.payload, encoder.kept());
   const auto put = [&](const auto& code) {
@@ -363,6 +361,7 @@ Encoded encode_modelled_rows(const VisibilityMatrix& matrix, const RowLimits& li
     put([&](Writer& writer) { encoder.code_group(writer, group); });
   }
   out.index = part_index_bytes(starts, out.payload.size());
+  if (options.rows_may_move) out.row_order = Permutation::from_old_of_new(encoder.order());
   return out;
 }
 

@@ -6,7 +6,6 @@
 
 #include "codecs/codec.h"
 #include "codecs/modelled/row_model.h"
-#include "matrix/permutation.h"
 
 namespace vismat {
 
@@ -30,8 +29,9 @@ struct ModelledRowFormat {
   static constexpr std::uint64_t free_rows = std::uint64_t{1} << 22;
 };
 
-/// The rows as they stand, within the limits. Best in the order of order_for_references() (row_references.h).
-Encoded encode_modelled_rows(const VisibilityMatrix& matrix, const RowLimits& limits, unsigned threads);
+/// The rows within the limits; smallest if they may move. Uses threads, rows_may_move and progress.
+Encoded encode_modelled_rows(const VisibilityMatrix& matrix, const RowLimits& limits,
+                             const EncodeOptions& options);
 
 /// rows-small and rows-quick.
 std::vector<Codec> modelled_codecs();

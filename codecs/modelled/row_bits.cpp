@@ -1,7 +1,7 @@
 #include "codecs/modelled/row_bits.h"
 
-#include <array>
 #include <cmath>
+#include <utility>
 
 #include "matrix/base/byte_reader.h"
 
@@ -30,37 +30,33 @@ RowEnds::RowEnds(const VisibilityMatrix& matrix) : columns_(matrix.shape().colum
   }
 }
 
-namespace {
-
-struct Costs {
-  std::array<std::uint16_t, 1024> one{}, zero{};
-  std::array<std::uint16_t, 256> even{};
-  Costs() {
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      const double chance = chance_of_sum[i] / 65536.;
-      one[i] = static_cast<std::uint16_t>(std::lround(-std::log2(chance) * bit_unit));
-      zero[i] = static_cast<std::uint16_t>(std::lround(-std::log2(1 - chance) * bit_unit));
-    }
-    for (std::size_t i = 1; i < even.size(); ++i)
-      even[i] = static_cast<std::uint16_t>(std::lround(std::log2(static_cast<double>(i)) * bit_unit));
+VisibilityMatrix RowEnds::as_matrix() const {
+  std::vector<std::uint64_t> offsets = {0};
+  std::vector<std::uint32_t> ids;
+  offsets.reserve(rows() + std::size_t{1});
+  ids.reserve(count());
+  for (std::uint32_t r = 0; r < rows(); ++r) {
+    const Ends ends = (*this)[r];
+    ids.insert(ids.end(), ends.at, ends.at + ends.count);
+    offsets.push_back(ids.size());
   }
-};
-const Costs& costs() {
-  static const Costs made;
+  return VisibilityMatrix::from_csr({rows(), columns_}, std::move(offsets), std::move(ids));
+}
+
+BitCosts::BitCosts() {
+  const auto units = [](double chance) {
+    return static_cast<std::uint16_t>(std::lround(-std::log2(chance) * bit_unit));
+  };
+  for (std::size_t i = 0; i < chance_of_sum.size(); ++i) {
+    decision[1][i] = units(chance_of_sum[i] / 65536.);
+    decision[0][i] = units(1 - chance_of_sum[i] / 65536.);
+  }
+  for (std::size_t i = 1; i < even.size(); ++i) even[i] = units(1. / static_cast<double>(i));
+}
+
+const BitCosts& BitCosts::table() {
+  static const BitCosts made;
   return made;
-}
-
-}  // namespace
-
-std::uint64_t BitCounter::of_decision(bool bit, int sum) {
-  const auto place = static_cast<std::size_t>(512 + sum);
-  return bit ? costs().one[place] : costs().zero[place];
-}
-
-std::uint64_t BitCounter::of_even(std::uint32_t count) {
-  std::uint64_t whole = 0;
-  for (; count > 255; count = count / 2 + count % 2) whole += bit_unit;
-  return whole + costs().even[count];
 }
 
 void refuse_row() {

@@ -1,5 +1,7 @@
 // What rows cost, in bits: for encoders that choose under which row to code another.
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +16,10 @@ class RowEnds {
   explicit RowEnds(const VisibilityMatrix& matrix);
   std::uint32_t rows() const { return static_cast<std::uint32_t>(begin_.size() - 2); }
   std::uint32_t columns() const { return columns_; }
+  /// Of all rows.
+  std::uint64_t count() const { return ends_.size() - Ends::sentinels * (rows() + std::uint64_t{1}); }
+  /// Row r lists its run ends.
+  VisibilityMatrix as_matrix() const;
   Ends operator[](std::uint32_t row) const {
     return {ends_.data() + begin_[row],
             static_cast<std::uint32_t>(begin_[row + 1] - begin_[row]) - Ends::sentinels};
@@ -28,6 +34,16 @@ class RowEnds {
 /// Bits are counted in units of 1/1024.
 inline constexpr std::uint64_t bit_unit = 1024;
 
+/// What decisions cost, by their probability's place in chance_of_sum, and choices among up to 255.
+struct BitCosts {
+  std::array<std::array<std::uint16_t, 1024>, 2> decision{};  // for 0 and 1
+  std::array<std::uint16_t, 256> even{};
+  static const BitCosts& table();
+
+ private:
+  BitCosts();
+};
+
 /// A coder that only adds up what its decisions cost. Deterministic.
 class BitCounter {
  public:
@@ -35,19 +51,19 @@ class BitCounter {
   explicit BitCounter(const RowWeights& weights) : weights_(weights) {}
   template <typename... Place>
   bool decide(bool bit, Place... places) {
-    units_ += of_decision(bit, (weights_[places] + ...));
+    units_ += costs_.decision[bit][static_cast<std::size_t>(512 + (weights_[places] + ...))];
     return bit;
   }
   std::uint32_t even(std::uint32_t count, std::uint32_t value) {
-    units_ += of_even(count);
+    for (; count > 255; count = count / 2 + count % 2) units_ += bit_unit;
+    units_ += costs_.even[count];
     return value;
   }
   std::uint64_t units() const { return units_; }
 
  private:
-  static std::uint64_t of_decision(bool bit, int sum);
-  static std::uint64_t of_even(std::uint32_t count);
   const RowWeights& weights_;
+  const BitCosts& costs_ = BitCosts::table();
   std::uint64_t units_ = 0;
 };
 

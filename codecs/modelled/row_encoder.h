@@ -11,8 +11,8 @@ namespace vismat {
 
 class RowEncoder {
  public:
-  RowEncoder(const VisibilityMatrix& matrix, const RowLimits& limits, unsigned threads)
-      : ends_(matrix), plan_(plan_rows(matrix, ends_, limits, threads)) {
+  RowEncoder(const VisibilityMatrix& matrix, const RowLimits& limits, const EncodeOptions& options)
+      : ends_(matrix), plan_(plan_rows(ends_, limits, options)) {
     std::vector<std::uint32_t> group_of(ends_.rows(), Group::none);
     std::uint32_t first = plan_.kept;
     for (const std::uint32_t size : plan_.group_sizes) {
@@ -23,6 +23,8 @@ class RowEncoder {
       first += size;
     }
   }
+  /// Which row of the matrix stands at each place; what follows is by places.
+  const std::vector<std::uint32_t>& order() const { return plan_.order; }
   std::uint32_t kept() const { return plan_.kept; }
   const std::vector<Group>& groups() const { return groups_; }
 
@@ -51,15 +53,15 @@ class RowEncoder {
   std::uint32_t reference(std::uint32_t r) const {
     return plan_.reference[r] == no_row ? 0 : plan_.reference[r] + 1;
   }
-  Ends row(std::uint32_t number) const { return ends_[number == 0 ? ends_.rows() : number - 1]; }
+  Ends row(std::uint32_t number) const { return ends_[number == 0 ? ends_.rows() : plan_.order[number - 1]]; }
   template <typename Coder>
   void code_one(Coder& coder, std::uint32_t r) const {
     const std::uint32_t columns = ends_.columns(), a = reference(r);
-    const RowCursor cursor{ends_[r].at, false};
+    const RowCursor cursor{row(r + 1).at, false};
     NoOut out;
     if (coder.decide(plan_.raw[r], raw_row)) return code_raw(coder, columns, cursor, out);
     const Ends of_a = row(a), of_b = row(a == 0 ? 0 : reference(a - 1));
-    code_row(coder, of_a, of_b, columns, cursor, changed_segments(of_a, of_b, ends_[r], columns), out);
+    code_row(coder, of_a, of_b, columns, cursor, changed_segments(of_a, of_b, row(r + 1), columns), out);
   }
 
   RowEnds ends_;

@@ -5,12 +5,18 @@
 
 #include "codecs/modelled/modelled_rows.h"
 #include "codecs/modelled/row_bits.h"
-#include "matrix/permutation.h"
 
 namespace vismat {
 
 /// A row's reference: another row, or none, the empty one.
 inline constexpr std::uint32_t no_row = 0xffffffff;
+
+/// A near row, and how many run ends one of the two has and the other has not.
+struct NearRow {
+  std::uint32_t row, differ;
+};
+/// For each row some others, the most promising references first.
+using NearRows = std::vector<std::vector<NearRow>>;
 
 struct RowPlan {
   std::vector<std::uint32_t> order;        // which row stands at each place; all that follows is by places
@@ -19,12 +25,9 @@ struct RowPlan {
   std::vector<std::uint32_t> reference;    // an earlier place, or no_row
   std::vector<bool> raw;                   // stored as bitmaps
 };
-/// References among earlier rows, as the limits allow. The same for any number of threads.
-RowPlan plan_rows(const VisibilityMatrix& matrix, const RowEnds& ends, const RowLimits& limits,
-                  unsigned threads);
-
-/// The order in which rows take the fewest bytes, for the order of columns that the matrix has: a tree in which each row
-/// stands under the one that it is coded by, depth first, the rows that readers keep first.
-Permutation order_for_references(const VisibilityMatrix& matrix, const RowLimits& limits, unsigned threads);
+/// References among earlier rows, as the limits allow. Where rows may move, their order is that of a tree in which each
+/// row stands under the one that it is coded by, depth first, the rows that readers keep first. The same for any number
+/// of threads.
+RowPlan plan_rows(const RowEnds& ends, const RowLimits& limits, const EncodeOptions& options);
 
 }  // namespace vismat

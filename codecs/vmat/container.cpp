@@ -301,6 +301,11 @@ Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap
   container.codec = codec.name;
   container.source = std::move(source);
   container.encoded = codec.encode(matrix, side_of(codec, container.source, boxes), options);
+  if (auto& order = container.encoded.row_order) {
+    container.source =
+        reordered(std::move(container.source), *order, Permutation::identity(matrix.shape().columns));
+    order.reset();
+  }
   if (codec.needs.boxes) container.boxes = box_sums(boxes);
   return container;
 }

@@ -41,8 +41,9 @@ std::vector<std::byte> write_container(const Container& container);
 /// back it.
 Container read_container(std::span<const std::byte> bytes);
 
-/// Encodes the matrix as it is, over the tree of `source` that the codec needs and with the boxes of `side`, whose tree
-/// is not used. The container keeps `source`. Throws what the codec throws.
+/// Encodes the matrix over the tree of `source` that the codec needs and with the boxes of `boxes`, whose tree is not
+/// used. The container keeps `source`, which says where rows went if the options let them move. Throws what the codec
+/// throws.
 Container compress(const VisibilityMatrix& matrix, const Codec& codec, SourceMap source = {},
                    const EncodeOptions& options = {}, const Side& boxes = {});
 /// The matrix as it is in the file. `codec` must be the one that the container names, and `boxes` must have the boxes

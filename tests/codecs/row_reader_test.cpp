@@ -14,6 +14,7 @@
 #include "codecs/vmat/sections.h"
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/checksum.h"
+#include "matrix/dataset.h"
 #include "matrix/deltas.h"
 #include "tests/codecs/matrices.h"
 #include "tests/matrix/temporary_folder.h"
@@ -249,10 +250,12 @@ Container container_of_differences() {
   return container;
 }
 
-TEST(RowReader, WalksThroughAFileOfDifferences) {
-  const auto file = write_container(container_of_differences());
-  EXPECT_EQ(read_container(file), container_of_differences());
+void walks_through(const Container& container) {
+  const auto file = write_container(container);
+  EXPECT_EQ(read_container(file), container);
   const RowReader reader(file);
+  const auto& rows = reader.source().list_rows;
+  const auto row_of = [&](std::uint32_t list) { return rows ? rows->group_of_member()[list] : list; };
   const auto boundaries = reader.source().boundaries;
   ASSERT_EQ(boundaries.size(), 21u);
   const BoundaryMap map(boundaries);
@@ -264,13 +267,38 @@ TEST(RowReader, WalksThroughAFileOfDifferences) {
   for (std::uint32_t step = 1; step < 60; ++step) {
     const std::uint32_t to = 1 + (step - 1) % 19;
     const Crossing crossing = map.crossing(cell, to).value();
-    count = cross(std::span(visible).first(count), reader.ids(crossing.appears(), appears),
-                  reader.ids(crossing.vanishes(), vanishes), next);
+    count = cross(std::span(visible).first(count), reader.ids(row_of(crossing.appears()), appears),
+                  reader.ids(row_of(crossing.vanishes()), vanishes), next);
     visible.swap(next);
     next.resize(60);
     cell = to;
     ASSERT_TRUE(std::ranges::equal(std::span(visible).first(count), cells.row(cell))) << "step " << step;
   }
+}
+
+TEST(RowReader, WalksThroughAFileOfDifferences) {
+  const Container container = container_of_differences();
+  walks_through(container);
+  // Equal lists once, in an order of their own.
+  Dataset data;
+  data.matrix = decompress(container, find_codec("delimiter"));
+  data.source = container.source;
+  data = merged(std::move(data), equal_rows(data.matrix), std::nullopt);
+  EXPECT_LT(data.matrix.shape().rows, container.shape.rows);
+  const Container moved =
+      compress(data.matrix, find_codec("rows-small"), data.source, {.rows_may_move = true});
+  ASSERT_TRUE(moved.source.list_rows);
+  walks_through(moved);
+}
+
+TEST(Container, RefusesListsThatNoRowHolds) {
+  Container container = container_of_differences();
+  std::vector<std::uint32_t> rows(container.shape.rows);
+  container.source.list_rows = Partition::from_group_of_member(rows);
+  EXPECT_THROW(write_container(container), std::invalid_argument);  // fewer rows than the matrix has
+  container.source = {};
+  container.source.list_rows = Partition::identity(container.shape.rows);
+  EXPECT_THROW(write_container(container), std::invalid_argument);  // without boundaries
 }
 
 TEST(Container, RefusesBoundariesThatAreNone) {

@@ -179,7 +179,7 @@ TEST(WorstRow, IsNeverLargerThanItsBitmapWhereARowStandsAlone) {
   for (const Codec& codec : own_codecs()) {
     // Codecs of engines have no escape; those over trees are none of single rows.
     if (!codec.rows_alone() || codec.origin == Origin::baseline) continue;
-    if (codec.row_order != nullptr) continue;  // its rows share parts; modelled_rows_test.cpp has their bound
+    if (codec.orders_rows) continue;  // its rows share parts; modelled_rows_test.cpp has their bound
     for (const std::uint32_t columns : {1u, 7u, 8u, 9u, 64u, 1000u, 20000u}) {
       const auto matrix = VisibilityMatrix::from_rows(adversarial_rows(columns + 2), columns + 2);
       const auto file = write_container(compress(matrix, codec));
