@@ -9,6 +9,11 @@
 // uncompressed: other processes slow it down as they do the codecs. open/...: a file of 100 MB in the page cache is mapped,
 // and asked for a row's place in its index.
 //
+// NAME/shares: what a row takes of a file that was just opened, none of whose blocks is checked. The microseconds of the rows
+// around the median and of the slowest 2 per cent, and their shares: fetching, which is the walk through the index to the row's parts;
+// the checksums of the blocks that these and the index lie in, which later rows need no more; and decoding, the rest. Of each row
+// the least of several times counts. Columns stay in their order; rows move where the codec likes that.
+//
 // Without a matrix: 4096 differences over 100,000 columns, about as Chhugani et al. 2005 have them (0.5 % dense, 3 ones in a run,
 // 750 bytes).
 #include <benchmark/benchmark.h>
@@ -17,6 +22,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -35,6 +41,7 @@
 #include "codecs/rows/row_codec.h"
 #include "codecs/vmat/container.h"
 #include "codecs/vmat/row_reader.h"
+#include "layout/orders/random_order.h"
 #include "matrix/base/atomic_file.h"
 #include "matrix/base/random.h"
 #include "matrix/files/dataset_file.h"
@@ -239,6 +246,64 @@ void copy_bits(benchmark::State& state, const VisibilityMatrix& matrix, Order or
   });
 }
 
+struct RowTime {
+  double fetch = 1e9, later = 1e9, first = 1e9;  // seconds; later: as first, but the blocks are checked
+};
+
+// Of up to 1000 rows in any order, each alone: nothing is left of the rows before it.
+std::vector<RowTime> times_of_rows(const Codec& codec, const VisibilityMatrix& matrix) {
+  const auto file = write_container(compress(matrix, codec, {}, {.rows_may_move = true}));
+  const RowReader reader(file, std::span(&codec, 1)), other(file, std::span(&codec, 1));
+  std::vector<std::uint32_t> rows = random_order(matrix.shape().rows, 1).old_of_new();
+  rows.resize(std::min<std::size_t>(1000, rows.size()));
+  RowBuffer<std::uint32_t> buffer;
+  std::vector<RowTime> times(rows.size());
+  double clock = 1e9;
+  const auto least = [&](double& time, const auto& work) { time = std::min(time, seconds_of(work)); };
+  for (int pass = 0; pass < 5; ++pass) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const std::uint32_t row = rows[i];
+      least(clock, [] {});
+      least(times[i].fetch, [&] { benchmark::DoNotOptimize(reader.cost(row)); });
+      reader.ids(row, buffer);
+      other.ids(row, buffer);
+      least(times[i].later, [&] { reader.ids(row, buffer); });
+      const RowReader fresh(file, std::span(&codec, 1));
+      least(times[i].first, [&] { fresh.ids(row, buffer); });
+    }
+  }
+  for (RowTime& time : times) {
+    time.later = std::max(0., time.later - clock);
+    time.fetch = std::clamp(time.fetch - clock, 0., time.later);
+    time.first = std::max(time.later, time.first - clock);
+  }
+  std::ranges::sort(times, {}, &RowTime::first);
+  return times;
+}
+
+void row_shares(benchmark::State& state, const Codec& codec, const VisibilityMatrix& matrix) {
+  for (auto _ : state) {
+    const auto times = times_of_rows(codec, matrix);
+    const auto tell = [&](const std::string& name, double from, double to) {
+      const auto count = static_cast<double>(times.size());
+      RowTime sum{0, 0, 0};
+      const auto end = static_cast<std::size_t>(std::ceil(to * count));
+      const auto begin = std::min(static_cast<std::size_t>(from * count), end - 1);
+      for (std::size_t i = begin; i < end; ++i) {
+        sum.fetch += times[i].fetch;
+        sum.later += times[i].later;
+        sum.first += times[i].first;
+      }
+      state.counters[name + "_us"] = 1e6 * sum.first / static_cast<double>(end - begin);
+      state.counters[name + "_fetch"] = sum.fetch / sum.first;
+      state.counters[name + "_checksum"] = (sum.first - sum.later) / sum.first;
+      state.counters[name + "_decode"] = (sum.later - sum.fetch) / sum.first;
+    };
+    tell("p50", .45, .55);
+    tell("p99", .98, 1);
+  }
+}
+
 // Rows of random bits, which every codec of ours with an escape stores as bitmaps; one row is empty, so that the file has an
 // index.
 Container large_container(const Codec& codec) {
@@ -309,6 +374,11 @@ void run_row_speed(const VisibilityMatrix& matrix) {
       register_form<Runs>(codec, matrix, order);
       register_form<Bits>(codec, matrix, order);
     }
+    if (matrix.shape().rows == 0) continue;
+    const std::string name = std::string(codec.name) + "/shares";
+    benchmark::RegisterBenchmark(name.c_str(), [&codec, &matrix](benchmark::State& state) {
+      row_shares(state, codec, matrix);
+    })->Iterations(1);
   }
   benchmark::RegisterBenchmark("open/delimiter",
                                [](benchmark::State& state) { open_file(state, find_codec("delimiter")); });
