@@ -81,7 +81,8 @@ TEST(NearPoints, AreThoseOfBruteForce) {
             near_points(points, {.neighbours = 5, .lacked = lacked, .exact_seconds = 0}, 2);
         for (std::uint32_t p = 0; p < points.size(); ++p) {
           for (const auto& [distance, q] : plain(near.lists, points.size())[p]) {
-            if (q != no_point) EXPECT_TRUE(std::ranges::count(real[p], std::pair(distance, q))) << name;
+            if (q == no_point) continue;
+            EXPECT_TRUE(std::ranges::count(real[p], std::pair(distance, q))) << name;
           }
         }
       }
