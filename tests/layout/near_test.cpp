@@ -79,8 +79,9 @@ TEST(NearPoints, AreThoseOfBruteForce) {
         // What is found with sketches is as far as it says.
         const NearPoints near =
             near_points(points, {.neighbours = 5, .lacked = lacked, .exact_seconds = 0}, 2);
+        const Lists found = plain(near.lists, points.size());
         for (std::uint32_t p = 0; p < points.size(); ++p) {
-          for (const auto& [distance, q] : plain(near.lists, points.size())[p]) {
+          for (const auto& [distance, q] : found[p]) {
             if (q == no_point) continue;
             EXPECT_TRUE(std::ranges::count(real[p], std::pair(distance, q))) << name;
           }
