@@ -283,7 +283,8 @@ TEST(RowReader, WalksThroughAFileOfDifferences) {
   Dataset data;
   data.matrix = decompress(container, find_codec("delimiter"));
   data.source = container.source;
-  data = merged(std::move(data), equal_rows(data.matrix), std::nullopt);
+  const Partition equal = equal_rows(data.matrix);
+  data = merged(std::move(data), equal, std::nullopt);
   EXPECT_LT(data.matrix.shape().rows, container.shape.rows);
   const Container moved =
       compress(data.matrix, find_codec("rows-small"), data.source, {.rows_may_move = true});

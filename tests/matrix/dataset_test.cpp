@@ -117,7 +117,8 @@ TEST(Dataset, BoundariesFindTheirListsWhereverTheseMove) {
   Dataset moved = merged(before, equal_rows(before.matrix), std::nullopt);
   ASSERT_EQ(moved.matrix.shape().rows, 4u);
   moved = reordered(std::move(moved), Permutation::from_new_of_old({2, 0, 3, 1}), columns);
-  moved = merged(std::move(moved), equal_rows(moved.matrix), std::nullopt);
+  const Partition still_equal = equal_rows(moved.matrix);
+  moved = merged(std::move(moved), still_equal, std::nullopt);
   for (const Dataset& dataset : {reordered(before, rows, columns), moved}) {
     EXPECT_NO_THROW(check_source_map(dataset.source, dataset.matrix.shape()));
     const Dataset back = with_lists_in_place(dataset);
