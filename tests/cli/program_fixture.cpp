@@ -8,9 +8,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <string>
 #include <vector>
 
 #include "matrix/files/dataset_file.h"
@@ -23,8 +25,8 @@ std::string contents_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Whether the call changes what a folder or a file holds. Writing to a pipe or a terminal counts too.
-bool changes_files(const __ptrace_syscall_info& call) {
+/// Whether the call changes what a folder or a file holds. Sanitizers write to pipes of their own, before main() too.
+bool changes_files(pid_t child, const __ptrace_syscall_info& call) {
   const auto argument = [&](int i) { return static_cast<unsigned long>(call.entry.args[i]); };
   switch (call.entry.nr) {
     case SYS_openat:
@@ -34,6 +36,8 @@ bool changes_files(const __ptrace_syscall_info& call) {
     case SYS_pwrite64:
     case SYS_ftruncate:
     case SYS_fchmod:
+      return std::filesystem::is_regular_file("/proc/" + std::to_string(child) + "/fd/" +
+                                              std::to_string(argument(0)));
     case SYS_linkat:
     case SYS_renameat2:
     case SYS_unlinkat:
@@ -60,7 +64,7 @@ bool interrupt_at(pid_t child, unsigned changes, unsigned& made, int& status) {
     } else {
       __ptrace_syscall_info call{};
       ::ptrace(PTRACE_GET_SYSCALL_INFO, child, sizeof(call), &call);
-      if (call.op == PTRACE_SYSCALL_INFO_ENTRY && changes_files(call) && ++made == changes) {
+      if (call.op == PTRACE_SYSCALL_INFO_ENTRY && changes_files(child, call) && ++made == changes) {
         ::kill(child, SIGINT);
         ::ptrace(PTRACE_DETACH, child, nullptr, 0);
         return false;
