@@ -28,16 +28,8 @@
 #include <cstring>
 #include <limits>
 #include <utility>
-#if defined(__x86_64__)
-#if !defined(__clang__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // GCC 12 warns of its own undefined vectors
-#endif
-#include <immintrin.h>
-#if !defined(__clang__)
-#pragma GCC diagnostic pop
-#endif
-#endif
+
+#include "matrix/base/x86.h"
 
 namespace vismat {
 namespace {
@@ -178,8 +170,6 @@ struct ByAvx2 {
   write_with<ByAvx2>(leader, own, words, behind);
 }
 
-#define VISMAT_AVX512 gnu::target("avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi2,avx2,bmi,bmi2,popcnt")
-
 // The masks of 64 words from w on: a bit for each byte.
 struct Masks {
   alignas(64) std::array<u64, 8> bytes;
@@ -199,13 +189,9 @@ struct Masks {
 #pragma GCC unroll 8
   for (std::size_t g = 0; g < eights; ++g) {
     const u64 leader_mask = leader_masks.bytes[g], own_mask = own_masks.bytes[g];
-    const std::byte *const leader_next = leader.values + std::popcount(leader_mask), *const own_next =
-                                                                                         own.values +
-                                                                                         std::popcount(
-                                                                                             own_mask);
-    if (leader_next > leader.end) [[unlikely]]
-      refuse("they end within a word");
-    if (own_next > own.end) [[unlikely]]
+    const std::byte* const leader_next = leader.values + std::popcount(leader_mask);
+    const std::byte* const own_next = own.values + std::popcount(own_mask);
+    if (leader_next > leader.end || own_next > own.end) [[unlikely]]
       refuse("they end within a word");
     const __m512i filled = _mm512_movm_epi64(static_cast<__mmask8>(fill >> (8 * g))),
                   bits = _mm512_xor_si512(_mm512_mask_expandloadu_epi8(filled, leader_mask, leader.values),

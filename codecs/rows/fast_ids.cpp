@@ -27,16 +27,8 @@
 #include <algorithm>
 #include <bit>
 #include <utility>
-#if defined(__x86_64__)
-#if !defined(__clang__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // GCC 12 warns of its own undefined vectors
-#endif
-#include <immintrin.h>
-#if !defined(__clang__)
-#pragma GCC diagnostic pop
-#endif
-#endif
+
+#include "matrix/base/x86.h"
 
 namespace vismat {
 namespace {
@@ -171,8 +163,6 @@ void FastIdRows::fill_tables() {
 }
 
 #if defined(__x86_64__)
-#define VISMAT_AVX512 gnu::target("avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi2,avx2,bmi,bmi2,popcnt")
-
 namespace {
 
 using Numbers = __m512i;  // 16 of 32 bits
