@@ -91,19 +91,24 @@ void PartIndex::open(std::span<const std::byte> head, std::span<const std::byte>
 void PartIndex::check_whole() const {
   if (equal_bytes_) return;
   constexpr auto as_is = [](std::span<const std::byte> bytes) { return bytes; };
-  const bool plain = !plain_.empty();
   std::vector<std::uint64_t> starts;
   starts.reserve(parts_ + 1);
   Words words{high_, 0};
-  std::uint64_t bits = plain ? 0 : words.first(as_is);
-  for (std::uint64_t i = 0; i <= parts_; ++i, bits &= bits - 1) {
-    while (!plain && bits == 0) bits = words.next(as_is);
-    starts.push_back(plain ? number_at<std::uint32_t>(plain_, 4 * i) : number(words.place(bits), i, as_is));
+  std::uint64_t bits = plain_.empty() ? words.first(as_is) : 0;
+  const auto next_start = [&](std::uint64_t i) -> std::uint64_t {
+    if (!plain_.empty()) return number_at<std::uint32_t>(plain_, 4 * i);
+    while (bits == 0) bits = words.next(as_is);
+    const std::uint64_t place = words.place(bits);
+    bits &= bits - 1;
+    return number(place, i, as_is);
+  };
+  for (std::uint64_t i = 0; i <= parts_; ++i) {
+    starts.push_back(next_start(i));
     if (starts.back() > payload_bytes_ || (i > 0 && starts[i] < starts[i - 1])) refuse();
   }
   if (starts.back() != payload_bytes_) refuse();
   starts.pop_back();
-  const auto form = plain ? IndexForm::plain : IndexForm::small;
+  const auto form = plain_.empty() ? IndexForm::small : IndexForm::plain;
   if (!std::ranges::equal(part_index_bytes(starts, payload_bytes_, form), index_)) refuse();
 }
 
