@@ -18,6 +18,7 @@
 #include "codecs/modelled/row_forest.h"
 #include "matrix/base/parallel.h"
 #include "matrix/points/inverted_index.h"
+#include "matrix/points/sparse_points.h"
 
 namespace vismat {
 namespace {
@@ -83,7 +84,7 @@ class ReferenceTree {
     std::vector<std::uint32_t> stack;  // roots of groups to come
     const auto group_from = [&](std::uint32_t root) {
       const std::size_t first = plan.order.size();
-      std::vector<std::uint32_t> members, open;
+      std::vector<std::uint32_t> members;
       const auto fits = [&](std::uint32_t row) {
         return size_[row] <= limits_.group - (plan.order.size() - first) &&
                now + time_below_[row] <= limits_.microseconds;
@@ -206,7 +207,7 @@ class ReferenceTree {
       for (const std::vector<NearRow>& list :
            {std::cref(near[row]), std::cref(std::as_const(of_whom[row]))}) {
         for (const NearRow& other : list) {
-          if (!in[other.row]) edges.emplace(5 * other.differ, other.row, row);
+          if (!in[other.row]) edges.emplace((1 + lacked_end) * other.differ, other.row, row);
         }
       }
     }
@@ -364,11 +365,11 @@ class ReferenceTree {
       const auto r = static_cast<std::uint32_t>(row);
       std::vector<std::uint32_t> common(kept);
       index.count_common(ends_of(r), common.data());
-      std::vector<std::pair<std::uint64_t, std::uint32_t>> ranked;
-      for (std::uint32_t i = 0; i < kept; ++i)
-        ranked.emplace_back(4 * std::uint64_t{forest_.ends(r).count - common[i]} +
-                                (forest_.ends(kept_order_[i]).count - common[i]),
-                            kept_order_[i]);
+      std::vector<std::pair<std::uint32_t, std::uint32_t>> ranked;
+      for (std::uint32_t i = 0; i < kept; ++i) {
+        const std::uint32_t mine = forest_.ends(r).count, its = forest_.ends(kept_order_[i]).count;
+        ranked.emplace_back(distance_with(lacked_end, mine + its - 2 * common[i], mine, its), kept_order_[i]);
+      }
       const std::size_t count = std::min<std::size_t>(4, kept);
       std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end());
       ranked.resize(count);

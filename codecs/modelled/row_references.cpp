@@ -24,10 +24,9 @@ std::uint32_t candidates_per_row(const RowEnds& ends) {
 NearRows near_rows(const RowEnds& ends, unsigned threads, const Stages& stages) {
   const std::uint32_t count = candidates_per_row(ends);
   const SparsePoints points = SparsePoints::of_rows(ends.as_matrix());
-  constexpr std::uint32_t lacked = 4;
   const NeighbourLists lists = near_points(points,
                                            {.neighbours = count,
-                                            .lacked = lacked,
+                                            .lacked = lacked_end,
                                             .exact_seconds = 1e-7 * static_cast<double>(ends.count()) + 1,
                                             .stages = stages},
                                            threads)
@@ -37,8 +36,8 @@ NearRows near_rows(const RowEnds& ends, unsigned threads, const Stages& stages) 
     for (std::size_t n = r * std::size_t{lists.per_point}; n < (r + std::size_t{1}) * lists.per_point; ++n) {
       const std::uint32_t other = lists.ids[n], distance = lists.distances[n];
       if (other == no_point) break;
-      const std::uint32_t lacks = (distance + ends[r].count - ends[other].count) / (1 + lacked);
-      near[r].push_back({other, distance - (lacked - 1) * lacks});
+      const std::uint32_t lacks = (distance + ends[r].count - ends[other].count) / (1 + lacked_end);
+      near[r].push_back({other, distance - (lacked_end - 1) * lacks});
     }
   }
   return near;

@@ -11,6 +11,10 @@ namespace vismat {
 /// A row's reference: another row, or none, the empty one.
 inline constexpr std::uint32_t no_row = 0xffffffff;
 
+/// What a run end of a row costs that its reference lacks, against 1 for one too many: the distance by which references are
+/// chosen (distance_with()).
+inline constexpr std::uint32_t lacked_end = 4;
+
 /// A near row, and how many run ends one of the two has and the other has not.
 struct NearRow {
   std::uint32_t row, differ;

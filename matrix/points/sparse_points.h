@@ -64,4 +64,12 @@ class SparsePoints {
 std::uint64_t runs_of_visits(const SparsePoints& points, std::span<const std::uint32_t> visits,
                              unsigned threads = 0);
 
+/// The distance of a point of weight `of` from one of weight `from`, which differ in `difference` ones or, if that is a
+/// lower bound, in no fewer: a one that the other lacks counts `lacked`, one that only the other has counts 1.
+inline std::uint32_t distance_with(std::uint32_t lacked, std::uint32_t difference, std::uint32_t of,
+                                   std::uint32_t from) {
+  const std::uint32_t twice = difference + of > from ? difference + of - from : 0;
+  return difference + (lacked - 1) * (twice / 2);
+}
+
 }  // namespace vismat
