@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "codecs/baselines/baseline_codecs.h"
@@ -15,13 +16,13 @@ namespace {
 
 using Ids = std::vector<std::uint32_t>;
 
-// The codes as text, by their definitions [Boldi, Vigna 2004; 2005].
-std::string gamma(std::uint64_t n) {
-  std::string binary;
-  for (std::uint64_t x = n + 1; x > 0; x /= 2) binary.insert(binary.begin(), x % 2 == 0 ? '0' : '1');
-  return std::string(binary.size() - 1, '0') + binary;
+// The bits of the codes, by their definitions [Boldi, Vigna 2004; 2005].
+std::size_t gamma(std::uint64_t n) {
+  std::size_t digits = 0;  // of n + 1, before which stand as many zeros but one
+  for (std::uint64_t x = n + 1; x > 0; x /= 2) ++digits;
+  return digits - 1 + digits;
 }
-std::string zeta(std::uint64_t n) {
+std::size_t zeta(std::uint64_t n) {
   const std::uint64_t x = n + 1;
   std::uint64_t h = 0;
   while (x >= std::uint64_t{1} << (3 * (h + 1))) ++h;
@@ -29,37 +30,37 @@ std::string zeta(std::uint64_t n) {
   std::size_t width = 0;  // minimal binary code of v < size
   while ((std::uint64_t{1} << width) < size) ++width;
   const bool shorter = v < (std::uint64_t{1} << width) - size;
-  return std::string(h, '0') + '1' + std::string(width - shorter, 'x');
+  return h + 1 + width - shorter;
 }
 std::uint64_t natural(std::int64_t n) {
   return static_cast<std::uint64_t>(n >= 0 ? 2 * n : -2 * n - 1);
 }
 
-// Bits of a row against a reference: sets and strings, nothing else.
+// Bits of a row against a reference: by sets and what is left of them, nothing else.
 std::size_t bits_by_rules(const Ids& row, const std::optional<Ids>& reference, std::uint32_t x,
                           std::uint32_t r) {
-  std::string code = gamma(row.size()) + std::string(r, '0') + "1";
+  std::size_t bits = gamma(row.size()) + r + 1;
   Ids extra = row;
   if (reference) {
-    std::string copied;  // of each id of the reference
+    extra.clear();
+    std::ranges::set_difference(row, *reference, std::back_inserter(extra));
+    std::vector<std::size_t> blocks;  // of ids of the reference: copied, not copied, and so on
+    bool expected = true;
+    std::size_t block = 0, at = 0;
     for (const std::uint32_t id : *reference) {
-      const bool common = std::ranges::count(row, id) > 0;
-      copied += common ? '1' : '0';
-      if (common) std::erase(extra, id);
+      while (at < row.size() && row[at] < id) ++at;
+      const bool common = at < row.size() && row[at] == id;
+      if (common != expected) {
+        blocks.push_back(block);
+        block = 0;
+        expected = common;
+      }
+      ++block;
     }
-    std::vector<std::size_t> blocks;
-    char expected = '1';
-    for (std::size_t at = 0; at < copied.size();) {
-      const std::size_t end = std::min(copied.find(expected == '1' ? '0' : '1', at), copied.size());
-      blocks.push_back(end - at);
-      at = end;
-      expected = expected == '1' ? '0' : '1';
-    }
-    blocks.pop_back();  // the last one is what is left
-    code += gamma(blocks.size());
-    for (std::size_t b = 0; b < blocks.size(); ++b) code += gamma(b == 0 ? blocks[b] : blocks[b] - 1);
+    bits += gamma(blocks.size());  // the last one is what is left
+    for (std::size_t b = 0; b < blocks.size(); ++b) bits += gamma(b == 0 ? blocks[b] : blocks[b] - 1);
   }
-  if (extra.empty()) return code.size();
+  if (extra.empty()) return bits;
   std::vector<std::pair<std::int64_t, std::int64_t>> intervals;  // first, last
   Ids residuals;
   for (std::size_t i = 0; i < extra.size();) {
@@ -72,17 +73,17 @@ std::size_t bits_by_rules(const Ids& row, const std::optional<Ids>& reference, s
                        extra.begin() + static_cast<std::ptrdiff_t>(j));
     i = j;
   }
-  code += gamma(intervals.size());
+  bits += gamma(intervals.size());
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     const auto [first, last] = intervals[i];
-    code += i == 0 ? gamma(natural(first - x))
+    bits += i == 0 ? gamma(natural(first - x))
                    : gamma(static_cast<std::uint64_t>(first - intervals[i - 1].second - 2));
-    code += gamma(static_cast<std::uint64_t>(last - first + 1 - 4));
+    bits += gamma(static_cast<std::uint64_t>(last - first + 1 - 4));
   }
   for (std::size_t i = 0; i < residuals.size(); ++i)
-    code +=
+    bits +=
         i == 0 ? zeta(natural(std::int64_t{residuals[0]} - x)) : zeta(residuals[i] - residuals[i - 1] - 1);
-  return code.size();
+  return bits;
 }
 
 Ids ids_of(const VisibilityMatrix& matrix, std::uint32_t row) {

@@ -25,9 +25,10 @@ namespace vismat::test {
 inline VisibilityMatrix random_matrix(Shape shape, double density, std::uint64_t seed) {
   Random random(seed);
   std::vector<std::vector<std::uint32_t>> rows(shape.rows);
+  const auto share = static_cast<float>(density);
   for (auto& row : rows) {
     for (std::uint32_t c = 0; c < shape.columns; ++c) {
-      if (random.unit() < static_cast<float>(density)) row.push_back(c);
+      if (random.unit() < share) row.push_back(c);
     }
   }
   return VisibilityMatrix::from_rows(rows, shape.columns);
@@ -47,7 +48,7 @@ inline VisibilityMatrix banded_matrix(std::uint32_t columns, std::uint32_t width
 inline VisibilityMatrix clustered_matrix(Shape shape, std::uint64_t seed) {
   Random random(seed);
   std::vector<std::vector<std::uint32_t>> rows(shape.rows);
-  std::vector<bool> visible(shape.columns);
+  std::vector<char> visible(shape.columns);
   for (auto& row : rows) {
     for (std::uint32_t i = 0; i < 1 + shape.columns / 50; ++i) {
       const std::uint32_t from = random.below(shape.columns), length = random.below(8);
@@ -87,7 +88,8 @@ struct NamedMatrix {
   VisibilityMatrix matrix;
 };
 
-inline std::vector<NamedMatrix> assorted_matrices() {
+/// `little`: of fewer columns, for what takes long for each.
+inline std::vector<NamedMatrix> assorted_matrices(bool little = false) {
   std::vector<NamedMatrix> all;
   all.push_back({"empty", VisibilityMatrix(Shape{0, 0})});
   all.push_back({"no rows", VisibilityMatrix(Shape{0, 5})});
@@ -98,11 +100,14 @@ inline std::vector<NamedMatrix> assorted_matrices() {
     all.push_back({std::to_string(columns) + " columns", random_matrix({20, columns}, .3, columns)});
   }
   all.push_back({"all zero", VisibilityMatrix(Shape{70, 300})});
-  all.push_back({"all one", random_matrix({70, 300}, 2, 1)});
-  constexpr Shape wide = sanitized ? Shape{45, 350} : Shape{60, 400};
+  all.push_back({"all one", random_matrix({70, little ? 100u : 300u}, 2, 1)});
+  const Shape wide = little ? Shape{40, 130} : sanitized ? Shape{45, 350} : Shape{60, 400};
   all.push_back({"sparse", random_matrix(wide, .005, 2)});
   all.push_back({"dense", random_matrix(wide, .95, 3)});
-  all.push_back({"clustered", clustered_matrix(sanitized ? Shape{150, 200} : Shape{260, 300}, 4)});
+  all.push_back({"clustered", clustered_matrix(little      ? Shape{150, 130}
+                                               : sanitized ? Shape{150, 200}
+                                                           : Shape{260, 300},
+                                               4)});
   return all;
 }
 

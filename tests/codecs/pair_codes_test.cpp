@@ -18,6 +18,7 @@
 #include "codecs/vmat/row_reader.h"
 #include "tests/codecs/coded_lists.h"
 #include "tests/codecs/matrices.h"
+#include "tests/sanitized.h"
 
 namespace vismat {
 namespace {
@@ -152,7 +153,7 @@ TYPED_TEST(EveryPairCode, ReadsDamagedBytesAsOtherNumbersOrNotAtAll) {
     try_bytes(bad);
   }
   EXPECT_GT(accepted, 0u);
-  for (int trial = 0; trial < 20000; ++trial) {
+  for (int trial = 0; trial < test::trials(20000); ++trial) {
     Bytes noise(1 + random.below(24));
     for (std::byte& byte : noise) byte = static_cast<std::byte>(random.below(256) & random.below(256));
     try_bytes(noise);
