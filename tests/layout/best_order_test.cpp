@@ -15,21 +15,22 @@ namespace vismat {
 namespace {
 
 TEST(BestOrder, IsNeverWorseThanTheColumnsAsTheyStand) {
-  for (const auto& m : test::assorted_matrices()) {
+  for (const auto& m : test::assorted_matrices(true)) {
     const Permutation best = best_order(m.matrix);
     EXPECT_LE(count_runs(m.matrix, best), count_runs(m.matrix)) << m.name;
     EXPECT_GE(count_runs(m.matrix, best), lower_bound(m.matrix, best).runs) << m.name;
   }
 }
 
-TEST(BestOrder, KeepsAPerfectOrder) {  // of 25,000 columns, too many for all pairs: any other tour is longer
-  std::vector<std::vector<std::uint32_t>> rows(25000);
-  for (std::uint32_t c = 0; c < 25000; ++c) {
-    for (std::uint32_t r = c; r < std::min(c + 3, 25000u); ++r) rows[r].push_back(c);
+TEST(BestOrder, KeepsAPerfectOrder) {  // of 20,100 columns, too many for all pairs: any other tour is longer
+  constexpr std::uint32_t columns = 20100;
+  std::vector<std::vector<std::uint32_t>> rows(columns);
+  for (std::uint32_t c = 0; c < columns; ++c) {
+    for (std::uint32_t r = c; r < std::min(c + 3, columns); ++r) rows[r].push_back(c);
   }
-  const auto m = VisibilityMatrix::from_rows(rows, 25000);
-  ASSERT_EQ(count_runs(m), 25000u);
-  EXPECT_EQ(count_runs(m, best_order(m)), 25000u);
+  const auto m = VisibilityMatrix::from_rows(rows, columns);
+  ASSERT_EQ(count_runs(m), columns);
+  EXPECT_EQ(count_runs(m, best_order(m)), columns);
 }
 
 TEST(BestOrder, BeatsTheWalkToTheNearest) {
@@ -38,7 +39,7 @@ TEST(BestOrder, BeatsTheWalkToTheNearest) {
 }
 
 TEST(BestOrder, SameSeedSameOrder) {
-  const auto m = test::clustered_matrix({200, 150}, 5);
+  const auto m = test::clustered_matrix({150, 100}, 5);
   EXPECT_EQ(best_order(m, {.seed = 3}), best_order(m, {.seed = 3, .threads = 1}));
 }
 
