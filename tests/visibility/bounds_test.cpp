@@ -15,9 +15,9 @@ namespace vismat {
 namespace {
 
 /// A small city: prisms over its ground as view cells, and a few boxes between its buildings.
-SceneFile small_city_file() {
+SceneFile small_city_file(std::uint32_t size = 8) {
   CityOptions options;
-  options.size = 8;
+  options.size = size;
   options.eye_low = 1, options.eye_high = 2;
   SceneFile city = make_city(options);
   city.cells.corners.resize(3 * std::size_t{test::sanitized ? 2 : 6});
@@ -80,9 +80,9 @@ TEST(Bounds, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Bounds, ASmallerCellSeesLess) {
-  SceneFile city = small_city_file();
+  SceneFile city = small_city_file(4);
   city.cells.corners.clear();
-  const float at = 4 * 20;
+  const float at = 2 * 20;
   city.cells.boxes = {{{at - 1.5f, at - 1.5f, 1}, {at + 1.5f, at + 1.5f, 2.5f}},
                       {{at - 0.5f, at - 0.5f, 1.5f}, {at + 0.5f, at + 0.5f, 2}},
                       {{at, at, 2}, {at, at, 2}}};

@@ -320,7 +320,7 @@ TEST(Shadow, NeverHidesWhatARaySees) {
       const Convex convex = convex_of(cells, cell);
       const Objects around = view->not_hidden(convex), left = view->refined(convex, around, around);
       hidden += solids.scene.object_count - left.size();
-      for (int i = 0; i < test::trials(30000); ++i) {
+      for (int i = 0; i < test::trials(20000); ++i) {
         glm::dvec3 from{};
         double weights = 0;
         for (const glm::dvec3& vertex : convex.vertices) {

@@ -1,5 +1,5 @@
 // Triangles of outlines that touch, cross and fold back onto themselves, against areas and insides that are computed in
-// another way. VISMAT_OUTLINES is their number (100,000; ./check --long takes 1,000,000), a part of it under sanitizers.
+// another way. VISMAT_OUTLINES is their number (40,000; ./check --long takes 1,000,000), a part of it under sanitizers.
 #include "visibility/meshes/triangulation.h"
 
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ using Outline = std::vector<glm::dvec2>;
 
 int outlines() {
   const char* given = std::getenv("VISMAT_OUTLINES");
-  const int all = given == nullptr ? 100000 : std::atoi(given);
-  return test::sanitized ? all / 50 : all;
+  const int all = given == nullptr ? 40000 : std::atoi(given);
+  return test::sanitized ? all / 20 : all;
 }
 
 /// Whether a ray from the point to the right crosses the outline an odd number of times.

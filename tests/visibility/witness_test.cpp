@@ -106,8 +106,9 @@ TEST(Witness, LinesThatPassAnEdgeAreAimedAgain) {
   EXPECT_TRUE(check.seen(convex_box(s.cell), 1, {{-0.5f, 0, 0.1f}, {-0.5f, 16, 0.1f}}, &aimed_again));
 }
 
-Doubt doubt_of(const AnalyticScene& s, std::uint32_t object, const HiddenWitness& witness) {
-  return WitnessCheck(s.scene).hidden(convex_box(s.cell), object, witness, s.occluders, 24, Random(7));
+Doubt doubt_of(const AnalyticScene& s, std::uint32_t object, const HiddenWitness& witness,
+               std::uint32_t samples = 24) {
+  return WitnessCheck(s.scene).hidden(convex_box(s.cell), object, witness, s.occluders, samples, Random(7));
 }
 
 // Samples may miss what is seen of an object, as they do where a wall is seen in part through two doors.
@@ -135,7 +136,7 @@ TEST(Witness, WhatHidesFromPatches) {
     const HiddenWitness strips = from_strips(s);
     if (strips.parts.empty()) continue;  // a cell without area
     for (std::uint32_t object = 0; object < s.scene.object_count; object += test::sanitized ? 6 : 1) {
-      const Doubt doubt = doubt_of(s, object, strips);
+      const Doubt doubt = doubt_of(s, object, strips, 12);
       if (s.truth[object] == Truth::seen) {
         ++(doubt ? refuted : missed);
         continue;
@@ -146,11 +147,11 @@ TEST(Witness, WhatHidesFromPatches) {
         for (std::size_t i = 0; i < strips.parts.size(); ++i) {
           if ((i % strips_of_face < strips_of_face / 2) == (half == 0)) some.parts.push_back(strips.parts[i]);
         }
-        EXPECT_TRUE(doubt_of(s, object, some)) << "object " << object;
+        EXPECT_TRUE(doubt_of(s, object, some, 12)) << "object " << object;
       }
       HiddenWitness nothing = strips;
       for (HiddenWitness::Part& part : nothing.parts) part.occluders.clear();
-      EXPECT_TRUE(doubt_of(s, object, nothing));
+      EXPECT_TRUE(doubt_of(s, object, nothing, 12));
     }
   }
   EXPECT_GT(refuted, test::sanitized ? 7 : 50);
