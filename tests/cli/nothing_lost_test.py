@@ -239,7 +239,7 @@ def standard_output():
         done = run("row", "wide.vmat", 0, stdout=full)
         check(done.returncode == 1 and "standard output: No space left on device" in done.stderr, done)
     # Nobody reads the lines, but the table is there.
-    reader = subprocess.Popen([vismat, "compare", "in.mtx", "wide.mtx", "--codecs", "delimiter,gzip", "--csv", "lines.csv"], stdout=subprocess.PIPE,
+    reader = subprocess.Popen([vismat, "compare", "in.mtx", "wide.mtx", "--codecs", "delimiter,gzip", "--seconds", ".1", "--csv", "lines.csv"], stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, env=environment)
     reader.stdout.close()
     error = reader.stderr.read()
@@ -345,7 +345,7 @@ def changed_input():
     succeed("generate", "power-plant", "--scale", "0.01", "-o", "larger.bsp.h5")
     for other in ("same_shape.bsp.h5", "smaller.bsp.h5", "larger.bsp.h5", None):
         Path("changing.bsp.h5").write_bytes(Path("first.bsp.h5").read_bytes())
-        process = subprocess.Popen([vismat, "order", "changing.bsp.h5", "--columns", "best", "--seconds", "3", "--bound", "none", "--memory", "6500000", "-o",
+        process = subprocess.Popen([vismat, "order", "changing.bsp.h5", "--columns", "best", "--seconds", "1", "--bound", "none", "--memory", "6500000", "-o",
                                     "ordered.bsp.h5"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
         wait_for(lambda: any("vismat-scratch" in name for name in open_files(process)), "the file of the transposed matrix")
         if other:

@@ -7,6 +7,7 @@
 
 #include "matrix/base/random.h"
 #include "tests/cli/program_fixture.h"
+#include "tests/sanitized.h"
 
 namespace vismat {
 namespace {
@@ -52,11 +53,9 @@ TEST_F(Program, RefusesInOneLine) {
                                     "city --size 4 -o no/folder.scene.h5",
                                     "cells missing.bsp.h5 --cells grid:4m -o result.scene.h5"};
   for (const std::string& verb : verbs_of(vismat("--help").out)) {
-    wrong.push_back(verb + " --no-such-option");
-    for (const std::string input : {" missing.bsp.h5", " text.bsp.h5"}) {
-      wrong.push_back(verb + input);
-      wrong.push_back(verb + input + " -o result.mtx");
-    }
+    wrong.insert(wrong.end(), {verb + " missing.bsp.h5 -o result.mtx", verb + " text.bsp.h5",
+                               verb + " text.bsp.h5 -o result.mtx"});
+    if (!test::sanitized) wrong.insert(wrong.end(), {verb + " --no-such-option", verb + " missing.bsp.h5"});
   }
   for (const std::string& words : wrong) expect_refusal(words, "");
   expect_refusal("no-such-verb", "there is no verb 'no-such-verb'; 'vismat --help' lists them");
@@ -93,7 +92,7 @@ class Interrupted : public Program {
 
 TEST_F(Interrupted, LeavesNoPartialMatrix) {
   Random random(1);
-  std::vector<std::vector<std::uint32_t>> rows(1500);
+  std::vector<std::vector<std::uint32_t>> rows(600);
   for (auto& row : rows) {
     for (std::uint32_t c = random.below(9); c < 3000; c += 1 + random.below(9)) row.push_back(c);
   }
