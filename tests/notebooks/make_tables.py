@@ -26,8 +26,8 @@ def main(vismat, bench, out):
     out = pathlib.Path(out)
     shutil.rmtree(out, ignore_errors=True)
     folders = zach, layout, vlod, lossy, visibility, rows = [out / name for name in ("zach2003", "layout", "vlod", "lossy", "visibility", "rows")]
-    told, matrices, pictures = out / "told", out / "matrices", visibility / "pictures"
-    for folder in (*folders, told, matrices, pictures):
+    told, matrices, large, pictures = out / "told", out / "matrices", out / "matrices/large", visibility / "pictures"
+    for folder in (*folders, told, matrices, large, pictures):
         folder.mkdir(parents=True)
 
     def run(name, *words):
@@ -37,10 +37,10 @@ def main(vismat, bench, out):
             raise RuntimeError(f"{' '.join(ended.args)} ended with {ended.returncode}:\n{ended.stdout}{ended.stderr}")
         (told / f"{name}.txt").write_text(ended.stdout)
 
-    def city(name, seed, *more):
-        scene = matrices / f"{name}.scene.h5"
-        run(f"city {name}", vismat, "city", "--size", 8, "--seed", seed, "-o", scene)
-        run(f"see {name}", vismat, "see", scene, "--producer", "climbing", *more, "-o", matrices / f"{name}.bsp.h5")
+    def city(folder, name, size, seed, *more):
+        scene = folder / f"{name}.scene.h5"
+        run(f"city {size} {name}", vismat, "city", "--size", size, "--seed", seed, "-o", scene)
+        run(f"see {size} {name}", vismat, "see", scene, "--producer", "climbing", *more, "-o", folder / f"{name}.bsp.h5")
 
     def both(jobs):
         """Runs jobs, as many at once as there are processors."""
@@ -48,8 +48,9 @@ def main(vismat, bench, out):
             for job in [pool.submit(*job) for job in jobs]:
                 job.result()
 
-    city_1, city_2, objects, differences = [matrices / f"{name}.bsp.h5" for name in ("artificial-1", "tiny.cells", "tiny.objects", "artificial-1.differences")]
-    both([(city, "artificial-1", 1), (city, "tiny.cells", 2), (city, "tiny.objects", 1, "--objects")])
+    city_1, city_2, differences = [matrices / f"{name}.bsp.h5" for name in ("artificial-1", "tiny.cells", "artificial-1.differences")]
+    larger, objects = [large / f"{name}.bsp.h5" for name in ("artificial-1", "tiny.objects")]
+    both([(city, matrices, "artificial-1", 4, 1), (city, matrices, "tiny.cells", 4, 2), (city, large, "artificial-1", 8, 1), (city, large, "tiny.objects", 8, 1, "--objects")])
     run("differences", vismat, "deltas", city_1, "-o", differences)
 
     def structure():
@@ -62,8 +63,8 @@ def main(vismat, bench, out):
 
     def of_merging():
         curves = "lossy-tables", "--csv", lossy / "curves.csv"
-        run("lossy", bench, *curves, "--lost", "0,.05,.2", "--codecs", "pair-ans,delimiter,panne,xz,jbig1", city_1, objects)
-        run("lossy by seeds", bench, *curves, "--append", "--no-lossless", "--methods", "seeds", "--sides", "cells", "--lost", ".05", city_1, objects)
+        run("lossy", bench, *curves, "--lost", "0,.05,.2", "--codecs", "pair-ans,delimiter,panne,xz,jbig1", larger, objects)
+        run("lossy by seeds", bench, *curves, "--append", "--no-lossless", "--methods", "seeds", "--sides", "cells", "--lost", ".05", larger, objects)
 
     def of_a_dense_city():
         scene = pictures / "city.scene.h5"
@@ -94,7 +95,7 @@ def main(vismat, bench, out):
     both([  # the longest first
         (run, "producers", bench, "visibility-tables", "--csv", visibility / "tables.csv", "--places", 1, "--cells", 1, "tilted-boxes"),
         (run, "compare", vismat, "compare", "--seconds", 0, "--orders", "natural,best", "--csv", vlod / "compare.csv", city_1, differences),
-        (run, "lossy failures", bench, "lossy-failures", "--lost", .2, "--seeds", 2, "--size", 60, "--out", lossy, objects, city_1),
+        (run, "lossy failures", bench, "lossy-failures", "--lost", .2, "--seeds", 2, "--size", 40, "--out", lossy, objects, larger),
         (of_merging,),
         (of_rows_alone,),
         (of_rows,),
