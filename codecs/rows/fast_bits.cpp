@@ -64,7 +64,7 @@ struct Coded {
   [[gnu::always_inline]] Coded(Bytes bytes, std::size_t words, std::size_t lists)
       : levels(bytes.data()), end(levels + bytes.size()), any(bytes.empty() ? 0 : ~u64{0}) {
     const std::size_t size = level_bytes(words);
-    fills = levels + size;
+    fills = levels + (size & any);
     masks = levels + (lists * size & any);
     if (masks > end) [[unlikely]]
       refuse("they end within their levels");
