@@ -47,16 +47,22 @@ struct StudyOptions {
 
 // ---- where the bits are ----------------------------------------------------------------------------------------------
 
-enum class Spent : std::size_t { which, how_many, part, where, references, bitmaps };
-constexpr std::array spent_on = {"which segments change",        "how many segments change",
-                                 "whole, front, back or inside", "where new ends are",
-                                 "references and groups",        "rows as bitmaps"};
+enum class Spent : std::size_t { which, how_many, part, where, common_runs, references, bitmaps };
+constexpr std::array spent_on = {"which segments change",
+                                 "how many segments change",
+                                 "whole, front, back or inside",
+                                 "where new ends are",
+                                 "common runs",
+                                 "references and groups",
+                                 "rows as bitmaps"};
 
 Spent spent_at(std::uint32_t place) {
   if (place < all_shape) return Spent::which;
-  if (place < octaves) return Spent::part;
+  if (place < common_run) return Spent::part;
+  if (place < octaves) return Spent::common_runs;
   if (place < raw_row) {
-    const std::uint32_t number = place < halves ? (place - octaves) / 256 : (place - halves) / 16;
+    const std::uint32_t number = place < halves ? (place - octaves) / 192 : (place - halves) / 16;
+    if (number >= static_cast<std::uint32_t>(NumberKind::runs)) return Spent::common_runs;
     if (number <= static_cast<std::uint32_t>(NumberKind::run)) return Spent::where;
     return number == static_cast<std::uint32_t>(NumberKind::changes) ? Spent::how_many : Spent::references;
   }
@@ -79,6 +85,11 @@ class SpentCounter {
     counter_.even(of, value);
     count(last_ == Spent::part ? Spent::where : last_);
     return value;
+  }
+  std::uint32_t aim(std::uint32_t, std::uint32_t value) { return value; }
+  void take(std::uint32_t count, std::uint32_t first, std::uint32_t octave) {
+    counter_.take(count, first, octave);
+    this->count(last_);
   }
   const std::array<std::uint64_t, spent_on.size()>& units() const { return units_; }
 
@@ -151,6 +162,8 @@ std::string ablation_of(const std::string& name, const VisibilityMatrix& whole, 
   const auto all = static_cast<double>(bytes_within(once, limits));
   line("nothing", all);
   line("second reference", all + bytes_of_second_references(once, limits));
+  changed("named second references", &RowLimits::names_second, false);
+  changed("common runs", &RowLimits::names_runs, false);
   changed("groups", &RowLimits::group, 1u);
   changed("kept rows", &RowLimits::kept, 0u);
   changed("references", &RowLimits::microseconds, 0.);

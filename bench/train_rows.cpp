@@ -41,10 +41,12 @@ struct Idea {
   std::uint32_t begin, end;
 };
 constexpr std::array ideas = {
-    Idea{"shape", copy_shape, copy_recent},     // what the references do in and around a segment
-    Idea{"recent", copy_recent, copy_lengths},  // the last outcomes and how many segments changed of late
-    Idea{"lengths", copy_lengths, copy_left},   // the lengths of a segment and of the one before
-    Idea{"left", copy_left, all_shape},         // how many of the segments left change
+    Idea{"shape", copy_shape, copy_recent},  // what the references do in and around a segment
+    Idea{"recent", copy_recent,
+         copy_left},  // the last outcomes, and whether they were as in the second reference
+    Idea{"left", copy_left, all_shape},  // how many of the segments left change
+    Idea{"second", 0, 0},                // naming second references
+    Idea{"runs", 0, 0},                  // naming common runs
 };
 
 struct Decision {
@@ -64,28 +66,32 @@ class DecisionList {
     return bit;
   }
   std::uint32_t even(std::uint32_t, std::uint32_t value) { return value; }
+  std::uint32_t aim(std::uint32_t, std::uint32_t value) { return value; }
+  void take(std::uint32_t, std::uint32_t, std::uint32_t) {}
   const std::vector<Decision>& decisions() const { return decisions_; }
 
  private:
   std::vector<Decision> decisions_;
 };
 
-std::vector<Decision> decisions_of(const RowMatrix& subject, const RowWeights& weights) {
+RowLimits limits_of(const RowLimits& built_in, const RowWeights& weights, const TrainOptions& options) {
+  RowLimits limits = built_in;
+  limits.weights = &weights;
+  limits.names_second = std::ranges::find(options.without, "second") == options.without.end();
+  limits.names_runs = std::ranges::find(options.without, "runs") == options.without.end();
+  return limits;
+}
+
+std::vector<Decision> decisions_of(const RowMatrix& subject, const RowWeights& weights,
+                                   const TrainOptions& options) {
   DecisionList list;
   for (const RowTier& tier : row_tiers) {
-    RowLimits limits = *tier.limits;
-    limits.weights = &weights;
+    const RowLimits limits = limits_of(*tier.limits, weights, options);
     const RowEncoder encoder(subject.matrix, limits, {.rows_may_move = true});
     encoder.code_model(list);
     for (const Group& group : encoder.groups()) encoder.code_group(list, group);
   }
   return list.decisions();
-}
-
-std::uint64_t bytes_of(const RowMatrix& subject, const RowLimits& built_in, const RowWeights& weights) {
-  RowLimits limits = built_in;
-  limits.weights = &weights;
-  return bytes_within(subject.matrix, limits);
 }
 
 RowWeights rounded(const std::vector<float>& weights) {
@@ -137,10 +143,10 @@ void fill_untrained(std::vector<float>& weights, const std::vector<std::vector<D
       for (unsigned j = 0; j < decision.count; ++j) seen[decision.places[j]] = true;
     }
   }
-  for (std::uint32_t kind = 0; kind < 10; ++kind) {
-    for (std::uint32_t top = 1; top < 16; ++top) {
+  for (std::uint32_t kind = 0; kind < 15; ++kind) {
+    for (std::uint32_t top = 1; top < 12; ++top) {
       for (std::uint32_t octave = 0; octave < 16; ++octave) {
-        const std::uint32_t place = octaves + kind * 256 + top * 16 + octave;
+        const std::uint32_t place = octaves + kind * 192 + top * 16 + octave;
         if (seen[place]) continue;
         weights[place] = octave < top - 1 ? weights[place - 16] : octave > 0 ? weights[place - 1] : 0;
         seen[place] = seen[place - 16];
@@ -162,7 +168,7 @@ RowWeights train(const std::vector<const RowMatrix*>& subjects, const TrainOptio
   for (unsigned round = 0; round < options.rounds; ++round) {
     const RowWeights now = rounded(weights);
     std::vector<std::vector<Decision>> lists;
-    for (const RowMatrix* subject : subjects) lists.push_back(decisions_of(*subject, now));
+    for (const RowMatrix* subject : subjects) lists.push_back(decisions_of(*subject, now, options));
     fit(weights, lists, without);
     weights[raw_row] = -7.9f;
     if (round + 1 == options.rounds) fill_untrained(weights, lists);
@@ -235,11 +241,12 @@ RowMatrix subject_of(const std::filesystem::path& file, bool as_is) {
 void run(const TrainOptions& options) {
   std::vector<RowMatrix> subjects;
   for (const auto& file : options.files) subjects.push_back(subject_of(file, options.as_is));
-  const auto report = [](const RowMatrix& subject, const RowWeights& weights) {
+  const auto report = [&](const RowMatrix& subject, const RowWeights& weights) {
     std::printf("%-40s %9u x %-9u", subject.name.c_str(), subject.matrix.shape().rows,
                 subject.matrix.shape().columns);
     for (const RowTier& tier : row_tiers)
-      std::printf(" %10llu", static_cast<unsigned long long>(bytes_of(subject, *tier.limits, weights)));
+      std::printf(" %10llu", static_cast<unsigned long long>(
+                                 bytes_within(subject.matrix, limits_of(*tier.limits, weights, options))));
     std::printf("\n");
     std::fflush(stdout);
   };

@@ -27,9 +27,11 @@ class BinaryWriter {
     renew();
   }
   /// One of `count` equally likely values; 0 < count < 2^32.
-  void put_even(std::uint32_t count, std::uint32_t value) {
+  void put_even(std::uint32_t count, std::uint32_t value) { put_span(count, value, 1); }
+  /// That it is one of the `size` values from `first` on.
+  void put_span(std::uint32_t count, std::uint32_t first, std::uint32_t size) {
     const std::uint64_t unit = range_ / count;
-    narrow(unit * value, unit);
+    narrow(unit * first, unit * size);
     renew();
   }
   /// Ends with the fewest bytes that identify the final range: the reader supplies the zeros behind them.
@@ -73,15 +75,22 @@ class BinaryReader {
   }
   /// Throws FormatError where no value stands.
   std::uint32_t even(std::uint32_t count) {
-    const std::uint64_t unit =
-        std::has_single_bit(count) ? range_ >> std::countr_zero(count) : range_ / count;
-    const std::uint64_t value = code_ / unit;
+    const std::uint32_t value = aim(count);
+    take(value, 1);
+    return value;
+  }
+  /// One of the values that a span has; take() with that span must follow. Throws FormatError where no value stands.
+  std::uint32_t aim(std::uint32_t count) {
+    unit_ = std::has_single_bit(count) ? range_ >> std::countr_zero(count) : range_ / count;
+    const std::uint64_t value = code_ / unit_;
     if (value >= count) [[unlikely]]
       refuse();
-    code_ -= value * unit;
-    range_ = unit;
-    renew();
     return static_cast<std::uint32_t>(value);
+  }
+  void take(std::uint32_t first, std::uint32_t size) {
+    code_ -= first * unit_;
+    range_ = unit_ * size;
+    renew();
   }
   /// Throws FormatError unless the bytes are those with which a writer ends after what was read.
   void finish() const;
@@ -102,7 +111,7 @@ class BinaryReader {
   [[noreturn]] static void refuse();
   std::span<const std::byte> bytes_;
   std::size_t next_ = 0;
-  std::uint64_t code_ = 0, range_ = ~std::uint64_t{0};
+  std::uint64_t code_ = 0, range_ = ~std::uint64_t{0}, unit_ = 0;
 };
 
 }  // namespace vismat

@@ -1,11 +1,13 @@
-// ALGORITHM. Neighbouring view cells see nearly the same, so a row is coded under another one, its reference A, and under
-// A's own reference B. The run ends of both cut the columns into segments. For each, one decision says whether the row
-// is there as A is; what has changed from B to A tells much about it. Where it is not, further decisions tell which part
-// is flipped. Decisions have probabilities that depend on their contexts alone and were trained on many levels: adaptive
-// ones would have to read other rows first. Rows stand in the order of a tree of references, depth first; up to 16 that
-// follow one another share a range coder's stream, so that no row pays for the padding of its own. The encoder bounds the
-// modelled time of a row with all that it takes rather than the length of the chain. The first rows, up to 64, are
-// decoded when the file is opened: they are the top of the tree, and cost a row that hangs below them nothing.
+// ALGORITHM. Neighbouring view cells see nearly the same, so a row is coded under another one, its reference A, and
+// under a second one, B: A's own reference, or any row that was decoded on the way. The run ends of both cut the columns
+// into segments. For each, one decision says whether the row is there as A is; what has changed from B to A tells much
+// about it. Where it is not, further decisions tell which part is flipped; runs of columns that many rows of the file
+// flip are listed once, and named. Decisions have probabilities that depend on their contexts alone and were trained on
+// many levels: adaptive ones would have to read other rows first. Rows stand in the order of a tree of references, depth
+// first; up to 16 that follow one another share a range coder's stream, so that no row pays for the padding of its own.
+// The encoder bounds the modelled time of a row with all that it takes rather than the length of the chain. The first
+// rows, up to 64, are decoded when the file is opened: they are the top of the tree, and cost a row that hangs below
+// them nothing.
 //
 // TRIED AND WORSE is in docs/codecs.md, "Rows under similar rows".
 #include "codecs/modelled/modelled_rows.h"
@@ -41,6 +43,10 @@ class Writer {
     coder_.put_even(count, value);
     return value;
   }
+  std::uint32_t aim(std::uint32_t, std::uint32_t value) { return value; }
+  void take(std::uint32_t count, std::uint32_t first, std::uint32_t octave) {
+    coder_.put_span(count, first, 1u << octave);
+  }
   void finish() { coder_.finish(); }
 
  private:
@@ -57,6 +63,8 @@ class Reader {
     return coder_.bit(chance_of_sum[static_cast<std::size_t>(512 + (row_weights[places] + ...))]);
   }
   std::uint32_t even(std::uint32_t count, std::uint32_t) { return coder_.even(count); }
+  std::uint32_t aim(std::uint32_t count, std::uint32_t) { return coder_.aim(count); }
+  void take(std::uint32_t, std::uint32_t first, std::uint32_t octave) { coder_.take(first, 1u << octave); }
   void finish() const { coder_.finish(); }
 
  private:
@@ -151,7 +159,8 @@ struct RowStack {
   struct Frame {
     std::uint32_t group = 0, done = 0;  // rows decoded
     Reader reader;
-    std::size_t rows = 0;  // its place among the decoded rows
+    std::size_t rows = 0;   // its place among the decoded rows
+    std::uint32_t way = 0;  // rows on the way to its first one
     EndsMemory::Mark mark = {};
   };
   std::uint64_t owner = 0;
@@ -179,6 +188,8 @@ class ModelledRows final : public RowSource {
       in.fail(std::to_string(kept) + " kept rows of " + std::to_string(shape.rows));
     kept_count_ = static_cast<std::uint32_t>(kept);
     Reader reader(in.bytes(in.left()));
+    runs_ = code_common_runs(reader, shape.columns, {});
+    names_second_ = reader.decide(false, second_named);
     GroupCode code(shape.rows, kept_count_);
     for (std::uint64_t g = 0; g < parts_.count(); ++g) {
       if (code.left() == 0) throw FormatError("more parts than rows");
@@ -192,7 +203,10 @@ class ModelledRows final : public RowSource {
     }
     for (std::uint32_t r = 0; r < kept_count_; ++r) {
       const std::uint32_t a = r + 1 - code_number(reader, NumberKind::distance, r + 1, 1);
-      kept_.push_back({get_row(reader, kept_[a].ends, kept_[kept_[a].above].ends, kept_memory_), a});
+      const auto find = [&](std::uint32_t second) {
+        return kept_[second == 0 ? kept_[a].above : second - 1].ends;
+      };
+      kept_.push_back({get_row(reader, kept_[a].ends, Stands::kept, r, 0, find, kept_memory_), a});
     }
     reader.finish();
   }
@@ -216,13 +230,19 @@ class ModelledRows final : public RowSource {
   }
 
  private:
-  Ends get_row(Reader& reader, Ends a, Ends b, EndsMemory& memory) const {
+  // find(x) gives the second reference that code_second() calls x, of `kept` kept rows and `way` on the way.
+  template <typename Find>
+  Ends get_row(Reader& reader, Ends a, Stands stands, std::uint32_t kept, std::uint32_t way, const Find& find,
+               EndsMemory& memory) const {
     EndsMemory::Row row(memory);
     Reader here = reader;  // in registers
-    if (here.decide(false, raw_row))
+    if (here.decide(false, raw_row)) {
       code_raw(here, shape_.columns, {}, row);
-    else
-      code_row(here, a, b, shape_.columns, {}, 0, row);
+    } else {
+      const std::uint32_t second =
+          names_second_ ? code_second(here, second_context(stands, a.count), kept, way, 0) : 0;
+      code_row(here, a, find(second), runs_, second != 0, shape_.columns, {}, 0, row);
+    }
     reader = here;
     row.room(0);
     return row.finish(shape_.columns);
@@ -235,6 +255,19 @@ class ModelledRows final : public RowSource {
   }
   const DecodedRow& at(const RowStack& stack, std::uint32_t place) const {
     return place <= kept_count_ ? kept_[place] : stack.rows[place - kept_count_ - 1];
+  }
+  // What code_second() calls x for the next row of the last frame.
+  Ends second_of(const RowStack& stack, const DecodedRow& a, std::uint32_t way, std::uint32_t value) const {
+    if (value == 0) return at(stack, a.above).ends;
+    if (value > way) return kept_[value - way - 1].ends;
+    if (value <= stack.frames.back().done) return stack.rows[stack.rows.size() - value].ends;
+    value -= stack.frames.back().done;
+    for (std::size_t frame = stack.frames.size() - 1;; --frame) {
+      const RowStack::Frame& above = stack.frames[frame - 1];
+      const std::uint32_t rows = stack.frames[frame].way - above.way;
+      if (value <= rows) return stack.rows[above.rows + rows - value].ends;
+      value -= rows;
+    }
   }
   static void drop_frames(RowStack& stack, std::size_t count) {
     if (count == stack.frames.size()) return;
@@ -258,8 +291,12 @@ class ModelledRows final : public RowSource {
         const std::uint32_t number = code_reference(frame.reader, group, kept_count_, frame.done, 0);
         a = number == group.outside ? outside : number <= kept_count_ ? number : number - inside;
       }
-      const DecodedRow &row_a = at(stack, a), &row_b = at(stack, row_a.above);
-      stack.rows.push_back({get_row(frame.reader, row_a.ends, row_b.ends, stack.memory), a});
+      const DecodedRow& row_a = at(stack, a);
+      const std::uint32_t way = std::min(frame.way + frame.done, ModelledRowFormat::longest_way);
+      const auto find = [&](std::uint32_t second) { return second_of(stack, row_a, way, second); };
+      const Stands stands = frame.done == 0 ? Stands::first : Stands::in_group;
+      stack.rows.push_back(
+          {get_row(frame.reader, row_a.ends, stands, kept_count_, way, find, stack.memory), a});
       if (++frame.done == group.size) frame.reader.finish();
     }
   } catch (const FormatError&) {
@@ -297,7 +334,11 @@ class ModelledRows final : public RowSource {
     while (!stack.wanted.empty()) {
       const std::uint32_t group = stack.wanted.back();
       stack.wanted.pop_back();
-      stack.frames.push_back({group, 0, Reader(parts_.part(group)), stack.rows.size(), stack.memory.mark()});
+      const std::uint32_t way = stack.frames.empty() ? 0
+                                                     : stack.frames.back().way + groups_[group].outside -
+                                                           groups_[stack.frames.back().group].first;
+      stack.frames.push_back(
+          {group, 0, Reader(parts_.part(group)), stack.rows.size(), way, stack.memory.mark()});
       decode_to(stack, stack.wanted.empty() ? row : groups_[stack.wanted.back()].outside - 1);
     }
     return stack.rows[frame_of(own)->rows + (row - groups_[own].first)].ends;
@@ -316,6 +357,8 @@ class ModelledRows final : public RowSource {
   Shape shape_;
   std::uint64_t owner_;
   std::uint32_t kept_count_ = 0;
+  CommonRuns runs_;
+  bool names_second_ = false;
   std::vector<Group> groups_;
   std::vector<DecodedRow> kept_;  // the empty row, then the kept ones
   EndsMemory kept_memory_;

@@ -15,7 +15,8 @@ struct RowLimits {
   double mean_rows;     // the same, as a multiple of the mean row's, where rows stay in their order
   std::uint32_t group;  // rows in a part, at most ModelledRowFormat::largest_group
   std::uint32_t kept;   // rows that readers decode at once and keep, at most
-  const RowWeights* weights = &row_weights;  // only training has others
+  bool names_second = true, names_runs = true;  // rows may name second references, and common runs
+  const RowWeights* weights = &row_weights;     // only training has others
 };
 inline constexpr RowLimits small_limits{60, 40, 16, 64};
 inline constexpr RowLimits quick_limits{19, 12, 8, 64};
@@ -24,6 +25,7 @@ struct ModelledRowFormat {
   static constexpr std::uint32_t largest_group = 16;  // rows in a part
   static constexpr std::uint32_t most_kept = 255;
   static constexpr std::uint32_t longest_chain = 256;  // parts that a row may take
+  static constexpr std::uint32_t longest_way = 255;    // rows back to a second reference
   static constexpr std::uint32_t steps = 8;  // groups that a group is looked for under, before any is named
   /// Fewer rows than this need no bytes that back them.
   static constexpr std::uint64_t free_rows = std::uint64_t{1} << 22;

@@ -83,7 +83,8 @@ RowCost cost_of_row(Ends a, Ends b, Ends row, std::uint32_t columns, const RowWe
   BitCounter counter(weights);
   counter.decide(false, raw_row);
   NoOut out;
-  code_row(counter, a, b, columns, {row.at, false}, changes, out);
+  static const CommonRuns no_runs;
+  code_row(counter, a, b, no_runs, 0, columns, {row.at, false}, changes, out);
   // Measured by 'bench row-speed' on levels' view cells and faces.
   RowCost cost{counter.units(), .1 + .011 * (a.count + b.count) + .07 * changes, false};
   BitCounter raw(weights);

@@ -55,13 +55,21 @@ class BitCounter {
     return bit;
   }
   std::uint32_t even(std::uint32_t count, std::uint32_t value) {
-    for (; count > 255; count = count / 2 + count % 2) units_ += bit_unit;
-    units_ += costs_.even[count];
+    units_ += of_even(count);
     return value;
+  }
+  std::uint32_t aim(std::uint32_t, std::uint32_t value) { return value; }
+  void take(std::uint32_t count, std::uint32_t, std::uint32_t octave) {
+    units_ += of_even(count) - octave * bit_unit;
   }
   std::uint64_t units() const { return units_; }
 
  private:
+  std::uint64_t of_even(std::uint32_t count) const {
+    std::uint64_t units = 0;
+    for (; count > 255; count = count / 2 + count % 2) units += bit_unit;
+    return units + costs_.even[count];
+  }
   const RowWeights& weights_;
   const BitCosts& costs_ = BitCosts::table();
   std::uint64_t units_ = 0;

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "codecs/modelled/modelled_rows.h"
 #include "codecs/modelled/row_model.h"
+#include "matrix/base/byte_reader.h"
 
 namespace vismat {
 
@@ -73,6 +76,50 @@ std::uint32_t code_reference(Coder& coder, const Group& group, std::uint32_t kep
   }
   if (!coder.decide(target != group.outside, reference_kept)) return group.outside;
   return coder.even(1 + kept, target);
+}
+
+/// Codes which row is a row's second reference: 0 for the one under which the first is coded; 1 to `way` for that many rows
+/// back among those decoded on the way to this one; way + 1 + x for the row of number x <= kept.
+template <typename Coder>
+std::uint32_t code_second(Coder& coder, std::uint32_t context, std::uint32_t kept, std::uint32_t way,
+                          std::uint32_t target) {
+  if (!coder.decide(target != 0, second_other + context)) return 0;
+  if (way == 0 || coder.decide(target > way, second_kept + context))
+    return way + 1 + coder.even(kept + 1, target - way - 1);
+  return code_number(coder, NumberKind::second, way, target);
+}
+enum class Stands : std::uint32_t { kept, first, in_group };
+/// The context of code_second() for a row that stands there, under a reference of so many run ends.
+inline std::uint32_t second_context(Stands stands, std::uint32_t ends) {
+  return static_cast<std::uint32_t>(stands) * 8 +
+         std::min(static_cast<std::uint32_t>(std::bit_width(ends)), 7u);
+}
+inline Stands stands_at(std::uint32_t place) {
+  return place == 0 ? Stands::first : Stands::in_group;
+}
+
+/// Codes the runs that rows may name. A reader's ones are in order, within the columns, and no more than `CommonRuns::most`.
+template <typename Coder>
+CommonRuns code_common_runs(Coder& coder, std::uint32_t columns, const CommonRuns& written) {
+  const std::uint32_t most = columns < 3 ? 0 : CommonRuns::most;
+  const std::uint32_t count =
+      code_number(coder, NumberKind::runs, most + 1, static_cast<std::uint32_t>(written.runs().size()) + 1) -
+      1;
+  std::vector<CommonRuns::Run> runs;
+  CommonRuns::Run before{1, 1, 0};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    CommonRuns::Run run = Coder::reads ? before : written[i];
+    run.start =
+        before.start +
+        code_number(coder, NumberKind::run_gap, columns - 1 - before.start, run.start - before.start + 1) - 1;
+    // Runs that start together come with the longer ones behind.
+    const std::uint32_t least = run.start == before.start ? before.end : run.start;
+    if (least >= columns - 1) throw FormatError("a common run that no row can have");
+    run.end = least + code_number(coder, NumberKind::run_length, columns - 1 - least, run.end - least);
+    run.octave = code_number(coder, NumberKind::run_octave, CommonRuns::octaves, run.octave + 1) - 1;
+    runs.push_back(before = run);
+  }
+  return {std::move(runs), columns};
 }
 
 /// Codes a row as its bitmap, 16 columns at a time. Row and out as in code_row.

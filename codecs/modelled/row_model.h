@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "codecs/modelled/common_runs.h"
 #include "codecs/modelled/row_tables.h"
 
 namespace vismat {
@@ -22,24 +23,29 @@ struct Ends {
 /// Where each table of weights begins in row_weights. The contexts of a decision are one place in each of its tables;
 /// the sum of the weights there gives its probability.
 enum RowTable : std::uint32_t {
-  copy_shape = 0,                     // a segment's values and what changes at its ends; its length
-  copy_recent = copy_shape + 1024,    // the last outcomes, how many changed of late; its length
-  copy_lengths = copy_recent + 1024,  // its length and that of the segment before
-  copy_left = copy_lengths + 512,     // how many of the segments left change; its length
+  copy_shape = 0,  // a segment's values and what changes at its ends; its length
+  copy_recent =
+      copy_shape + 1024,  // the last outcomes; whether they were as in the second reference; its length
+  copy_left = copy_recent + 1024,  // how many of the segments left change; its length
   all_shape = copy_left + 1024,
   all_recent = all_shape + 256,
   prefix_shape = all_recent + 64,
   suffix_shape = prefix_shape + 256,
   single_room = suffix_shape + 128,
   more_room = single_room + 8,
-  octaves = more_room + 8,      // of a number: kind, octave of the largest possible, octave
-  halves = octaves + 10 * 256,  // kind, octave
-  raw_row = halves + 10 * 16,
+  common_run = more_room + 8,   // how many common runs fit; the room
+  octaves = common_run + 80,    // of a number: kind, octave of the largest possible, octave
+  halves = octaves + 15 * 192,  // kind, octave
+  raw_row = halves + 15 * 16,
   reference_back = raw_row + 1,  // how many rows of the group were passed
   reference_kept = reference_back + 16,
   group_kept = reference_kept + 1,
   group_back = group_kept + 1,  // how many groups of the chain were passed
-  table_end = group_back + 8,
+  second_other =
+      group_back + 8,  // a kept row, the first of a group, any other; octave of the reference's run ends
+  second_kept = second_other + 24,
+  second_named = second_kept + 24,
+  table_end = second_named + 1,
 };
 
 /// Throws FormatError: more segments change than there are.
@@ -58,7 +64,12 @@ enum class NumberKind : std::uint32_t {
   group,
   within,
   kept,
-  distance
+  distance,
+  second,
+  runs,
+  run_gap,
+  run_length,
+  run_octave
 };
 
 /// Twice the logarithm to base 2, rounded down, of x > 0, plus 2.
@@ -79,7 +90,7 @@ template <typename Coder>
   const auto of_kind = static_cast<std::uint32_t>(kind);
   const auto top = static_cast<std::uint32_t>(std::bit_width(most)) - 1;
   const auto mine = static_cast<std::uint32_t>(std::bit_width(value)) - 1;
-  const std::uint32_t table = octaves + of_kind * 256 + std::min(top, 15u) * 16;
+  const std::uint32_t table = octaves + of_kind * 192 + std::min(top, 11u) * 16;
   std::uint32_t octave = 0;
   while (octave < top && coder.decide(mine > octave, table + std::min(octave, 15u))) ++octave;
   if (octave == 0) return 1;
@@ -113,15 +124,18 @@ struct NoOut {
 ///   room(n)          must be called before n calls of to()
 ///   to(column, v)    the value is v from this column on
 ///   copy(ends)       the rest of the row is as these run ends say; a reader's only
+/// A writer's coder may have before_run(room, run), called where a row has a run that its references lack, with the columns
+/// where that may be and those where it is, and after_run(), called when it is coded.
 /// A reader throws FormatError where fewer segments change than the row says.
 template <typename Coder, typename Out>
-[[gnu::always_inline]] inline void code_row(Coder& coder, Ends a, Ends b, std::uint32_t columns,
-                                            RowCursor row, std::uint32_t changes, Out& out) {
+[[gnu::always_inline]] inline void code_row(Coder& coder, Ends a, Ends b, const CommonRuns& runs,
+                                            std::uint32_t named, std::uint32_t columns, RowCursor row,
+                                            std::uint32_t changes, Out& out) {
   constexpr bool reads = Coder::reads;
   const std::uint32_t *next_a = a.at, *next_b = b.at;
   std::uint32_t left = code_number(coder, NumberKind::changes, a.count + b.count + 2, changes + 1) - 1;
   std::uint32_t at = 0, value = 0, other = 0;
-  std::uint32_t recent = 0, activity = 0, flipped = 0, length_before = 7;
+  std::uint32_t recent = 0, agreed = 0, flipped = 0;
   std::uint32_t few = left > 0 ? half_octaves(left) : 0;
   out.room(a.count + b.count + 4);
   while (left > 0) {
@@ -144,24 +158,22 @@ template <typename Coder, typename Out>
         static_cast<std::uint32_t>((a.at + a.count - next_a) + (b.at + b.count - next_b)) + 1;
     const std::uint32_t many = half_octaves(segments);
     const std::uint32_t ratio = many > few ? std::min(many - few, 15u) : 0;
-    const bool changed =
-        coder.decide(reads || row.value != bool(value) || *row.next < end,
-                     copy_shape + shape + end_a * 32 + end_b * 64 + size * 128,
-                     copy_recent + (recent & 15) + std::min(activity >> 4, 7u) * 16 + size * 128,
-                     copy_lengths + size + length_before * 8 + differ * 64 + flipped * 128 + value * 256,
-                     copy_left + ratio + (std::min(left, 8u) - 1) * 16 + size * 128);
-    length_before = size;
+    const bool changed = coder.decide(
+        reads || row.value != bool(value) || *row.next < end,
+        copy_shape + shape + end_a * 32 + end_b * 64 + size * 128,
+        copy_recent + differ + (agreed & 7) * 2 + (recent & 7) * 16 + named * 128 + std::min(size, 3u) * 256,
+        copy_left + ratio + (std::min(left, 8u) - 1) * 16 + size * 128);
     // What follows from the decision stands in branches, which a processor predicts, rather than in sums, which wait.
     if (!changed) {
       recent <<= 1;
-      activity -= activity >> 3;
+      agreed <<= differ;
       flipped = 0;
       out.to(at, value);
       at = end;
       continue;
     }
     recent = recent << 1 | 1;
-    activity += 16 - (activity >> 3);
+    agreed = agreed << 1 | differ;
     --left;
     if (left > 0) few = half_octaves(left);
     const std::uint32_t ends = end_a + 2 * end_b;
@@ -203,21 +215,42 @@ template <typename Coder, typename Out>
         flipped = 1;
         break;
       }
-      if (room == 3 || coder.decide(!reads && row.next[2] >= end, single_room + length_class(room))) {
-        part = code_number(coder, NumberKind::middle, room - 2, part);
-        if (room - 1 - part > 1)
-          start = from + 1 + coder.even(room - 1 - part, start - from - 1);
-        else
-          start = from + 1;
-        out.to(start, value ^ 1);
-        out.to(start + part, value);
-        break;
+      const bool last =
+          room == 3 || coder.decide(!reads && row.next[2] >= end, single_room + length_class(room));
+      const CommonRuns::Slots slots = room == 3 ? CommonRuns::Slots{} : runs.starting(from + 1, end);
+      std::uint32_t common = CommonRuns::none;
+      if constexpr (!reads) {
+        if (slots.count > 0) common = runs.find(start, start + part);
       }
-      start = from + code_number(coder, NumberKind::gap, room - 3, start - from);
-      part = code_number(coder, NumberKind::run, end - start - 2, part);
+      if constexpr (requires { coder.after_run(); }) coder.before_run({from + 1, end}, {start, start + part});
+      if (slots.count > 0 &&
+          coder.decide(common != CommonRuns::none,
+                       common_run +
+                           std::min(static_cast<std::uint32_t>(std::bit_width(slots.count)), 9u) * 8 +
+                           length_class(room))) {
+        common = runs.of_slot(slots.first +
+                              coder.aim(slots.count, reads ? 0 : runs.first_slot(common) - slots.first));
+        const CommonRuns::Run& run = runs[common];
+        coder.take(slots.count, runs.first_slot(common) - slots.first, run.octave);
+        if constexpr (reads) {
+          if (run.end + (last ? 0u : 1u) >= end) [[unlikely]]
+            refuse_row();
+        }
+        start = run.start;
+        part = run.end - run.start;
+      } else if (last) {
+        part = code_number(coder, NumberKind::middle, room - 2, part);
+        const std::uint32_t places = room - 1 - part;
+        start = from + 1 + (places > 1 ? coder.even(places, start - from - 1) : 0);
+      } else {
+        start = from + code_number(coder, NumberKind::gap, room - 3, start - from);
+        part = code_number(coder, NumberKind::run, end - start - 2, part);
+      }
+      if constexpr (requires { coder.after_run(); }) coder.after_run();
       out.to(start, value ^ 1);
       from = start + part;
       out.to(from, value);
+      if (last) break;
       if constexpr (!reads) row.pass(from);
     }
   }

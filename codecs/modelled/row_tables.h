@@ -6,7 +6,7 @@
 
 namespace vismat {
 
-inline constexpr std::uint32_t row_weight_count = 7051;
+inline constexpr std::uint32_t row_weight_count = 7068;
 using RowWeights = std::array<std::int8_t, row_weight_count>;
 /// In units of 1/16: the sum of a decision's weights is the natural logarithm of its odds. row_model.h says what each
 /// weight stands for.

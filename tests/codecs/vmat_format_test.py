@@ -146,20 +146,29 @@ class Format(unittest.TestCase):
                 start = random.randrange(290)
                 seen ^= set(range(start, min(300, start + random.randrange(1, 40))))
             rows.append(sorted(seen) if r % 40 else sorted(random.sample(range(300), 150)))
+        runs = [range(start, start + random.randrange(5, 40)) for start in range(20, 1980, 49)]
+        few = [sorted(set().union(*random.sample(runs, 3), {7 * r})) for r in range(200)]  # runs that come again and again
+        said_of = [self.modelled_rows_of_the_program(*matrix, tables) for matrix in ((rows, 300), (few, 2020))]
+        self.assertTrue(any(read.names_second for read in said_of))
+        self.assertTrue(any(read.common for read in said_of))
+
+    def modelled_rows_of_the_program(self, rows, columns, tables):
         lines = [f"{r + 1} {c + 1}" for r, row in enumerate(rows) for c in row]
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
-            (folder / "m.mtx").write_text(f"%%MatrixMarket matrix coordinate pattern general\n{len(rows)} 300 {len(lines)}\n" + "\n".join(lines) + "\n")
+            (folder / "m.mtx").write_text(f"%%MatrixMarket matrix coordinate pattern general\n{len(rows)} {columns} {len(lines)}\n" + "\n".join(lines) + "\n")
             for codec in ("rows-small", "rows-quick"):
                 subprocess.run([VISMAT, "encode", folder / "m.mtx", "--codec", codec, "-o", folder / "m.vmat"], check=True, capture_output=True)
                 file = File((folder / "m.vmat").read_bytes())
-                read = ModelledRows(file.rows, file.columns, file.sections["index"], file.sections["payload"], tables).rows
+                decoded = ModelledRows(file.rows, file.columns, file.sections["index"], file.sections["payload"], tables)
+                read = decoded.rows
                 self.assertGreater(file.sections["payload"][0], 0)  # rows that readers keep
                 self.assertEqual(sum(map(len, read)), file.ones, codec)
                 for r in (0, 1, 77, file.rows - 1):
                     for numbers, expected in (["--as-stored"], read[r]), ([], rows[r]):
                         said = subprocess.run([VISMAT, "row", folder / "m.vmat", str(r), *numbers], check=True, capture_output=True, text=True).stdout
                         self.assertEqual(list(map(int, said.split())), expected, f"{codec}, row {r} {numbers}")
+            return decoded
 
     def test_what_the_program_writes_over_a_tree_of_rows(self):
         random.seed(2)

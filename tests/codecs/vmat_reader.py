@@ -685,22 +685,29 @@ class Stream:
         return int(bit)
 
     def choice(self, n):
-        unit = self.range // n
-        value = self.code // unit
-        assert value < n
-        self.narrow(unit * value, unit)
+        return self.weighted([1] * n)
+
+    def weighted(self, weights):
+        """Which of the weights, each as likely as it is large."""
+        unit = self.range // sum(weights)
+        left, value = self.code // unit, 0
+        assert left < sum(weights)
+        while left >= weights[value]:
+            left -= weights[value]
+            value += 1
+        self.narrow(unit * sum(weights[:value]), unit * weights[value])
         return value
 
     def number(self, kind, most):
         t, e = most.bit_length() - 1, 0
-        while e < t and self.decision(4304 + 256 * kind + 16 * min(t, 15) + min(e, 15)):
+        while e < t and self.decision(3872 + 192 * kind + 16 * min(t, 11) + min(e, 15)):
             e += 1
         if e == 0:
             return 1
         low, middle, high = 2**e, 3 * 2**(e - 1), most if e == t else 2**(e + 1) - 1
         if high < middle:
             return low + self.choice(high - low + 1)
-        if self.decision(6864 + 16 * kind + min(e, 15)):
+        if self.decision(6752 + 16 * kind + min(e, 15)):
             return middle + self.choice(high - middle + 1)
         return low + self.choice(middle - low)
 
@@ -714,15 +721,22 @@ class ModelledRows:
         model = Bytes(payload[:places[0]])
         kept = model.varint()
         stream = Stream(payload[model.at:places[0]], tables)
+        self.common, before = [], (1, 1)  # runs that rows may name, as (first column, the one behind, weight)
+        for _ in range(stream.number(11, 4097 if columns > 2 else 1) - 1):
+            start = before[0] + stream.number(12, columns - 1 - before[0]) - 1
+            least = before[1] if start == before[0] else start
+            before = (start, least + stream.number(13, columns - 1 - least))
+            self.common.append((*before, 2**(stream.number(14, 6) - 1)))
+        self.names_second = stream.decision(7067)
         groups, last, first = [], 0, kept  # of each its first row, its size, its reference's number, the group that this is in
         for i in range(len(places) - 1):
             size = stream.number(6, min(16, rows - first))
-            if i == 0 or stream.decision(7042):
+            if i == 0 or stream.decision(7010):
                 last = (last + stream.number(8, kept + 1) - 1) % (kept + 1)
                 groups.append((first, size, last, None))
             else:
                 above, tried = i - 1, 0
-                while above is not None and tried < 8 and stream.decision(7043 + tried):
+                while above is not None and tried < 8 and stream.decision(7011 + tried):
                     above, tried = groups[above][3], tried + 1
                 if above is None or tried == 8:
                     above = i - stream.number(9, i)
@@ -731,22 +745,40 @@ class ModelledRows:
         assert first == rows
         self.seen, self.reference = [[0] * columns], [0]  # by number
         for r in range(kept):
-            self.read(stream, r + 1 - stream.number(9, r + 1))
-        for (first, size, outside, _), begin, end in zip(groups, places, places[1:]):
+            self.read(stream, r + 1 - stream.number(9, r + 1), 0, r, [])
+        for g, ((first, size, outside, above), begin, end) in enumerate(zip(groups, places, places[1:])):
+            way, last, inside = [], outside, above  # the numbers of the rows decoded on the way to its first one, the last one first
+            while inside is not None:
+                way += range(last, groups[inside][0], -1)
+                last, inside = groups[inside][2:]
             stream = Stream(payload[begin:end], tables)
             for place in range(size):
                 reference = outside
                 if place > 0:
-                    back = next((i for i in range(place) if not stream.decision(7025 + i)), None)
+                    back = next((i for i in range(place) if not stream.decision(6993 + i)), None)
                     if back is not None:
                         reference = first + place - back
-                    elif stream.decision(7041):
+                    elif stream.decision(7009):
                         reference = stream.choice(kept + 1)
-                self.read(stream, reference)
+                earlier = list(range(first + place, first, -1))
+                self.read(stream, reference, 1 if place == 0 else 2, kept, (earlier + way)[:255])
         self.rows = [[column for column, bit in enumerate(row) if bit] for row in self.seen[1:]]
 
-    def read(self, stream, reference):
-        self.seen.append(self.bitmap(stream) if stream.decision(7024) else self.row(stream, reference))
+    def read(self, stream, reference, stands, kept, way):
+        if stream.decision(6992):
+            row = self.bitmap(stream)
+        else:
+            seen_a, second, named = self.seen[reference], self.reference[reference], 0
+            ends = sum(bit != before for bit, before in zip(seen_a, [0] + seen_a))
+            context = 8 * stands + min(7, ends.bit_length())
+            if self.names_second and stream.decision(7019 + context):
+                named = 1
+                if not way or stream.decision(7043 + context):
+                    second = stream.choice(kept + 1)
+                else:
+                    second = way[stream.number(10, len(way)) - 1]
+            row = self.row(stream, seen_a, self.seen[second], named)
+        self.seen.append(row)
         self.reference.append(reference)
 
     def bitmap(self, stream):
@@ -757,8 +789,7 @@ class ModelledRows:
             bits += [value >> i & 1 for i in range(count)]
         return bits
 
-    def row(self, stream, reference):
-        seen_a, seen_b = self.seen[reference], self.seen[self.reference[reference]]
+    def row(self, stream, seen_a, seen_b, named):
         ends_a, ends_b = ({column for column in range(self.columns) if row[column] != (row[column - 1] if column else 0)}
                           for row in (seen_a, seen_b))
         row = list(seen_a)
@@ -771,8 +802,7 @@ class ModelledRows:
             return 2 * v.bit_length() + (v > 1 and v >> (v.bit_length() - 2) & 1)
 
         left = stream.number(5, len(ends_a) + len(ends_b) + 2) - 1
-        history = activity = f = segment = 0
-        c_before = 7
+        history = agreed = f = segment = 0
         while left:
             begin, end = starts[segment], starts[segment + 1]
             segment += 1
@@ -783,12 +813,11 @@ class ModelledRows:
             r = min(15, max(0, g(z) - g(left)))
             s, e = a + 2 * d + 4 * (begin in ends_a) + 8 * (begin in ends_b) + 16 * f, behind_a + 2 * behind_b
             changed = stream.decision(s + 32 * behind_a + 64 * behind_b + 128 * c,
-                                      1024 + (history & 15) + 16 * min(activity // 16, 7) + 128 * c,
-                                      2048 + c + 8 * c_before + 64 * d + 128 * f + 256 * a,
-                                      2560 + r + 16 * (min(left, 8) - 1) + 128 * c)
+                                      1024 + d + 2 * (agreed & 7) + 16 * (history & 7) + 128 * named + 256 * min(c, 3),
+                                      2048 + r + 16 * (min(left, 8) - 1) + 128 * c)
             history = 2 * history + changed
-            activity += 16 * changed - activity // 8
-            c_before = c
+            if changed or d:
+                agreed = 2 * agreed + (changed & d)
             left -= changed
 
             def flip(first, count):
@@ -797,32 +826,41 @@ class ModelledRows:
             f = 0
             if not changed:
                 continue
-            if n == 1 or stream.decision(3584 + s + 32 * c, 3840 + (history & 15) + 16 * e):
+            if n == 1 or stream.decision(3072 + s + 32 * c, 3328 + (history & 15) + 16 * e):
                 flip(begin, n)
                 f = 1
                 continue
             at = begin
-            if stream.decision(3904 + s + 32 * c):
+            if stream.decision(3392 + s + 32 * c):
                 count = stream.number(0, n - 1)
                 flip(at, count)
                 at += count
-                if end - at < 2 or not stream.decision(4296 + class_of(end - at)):
+                if end - at < 2 or not stream.decision(3784 + class_of(end - at)):
                     continue
             while True:
                 m = end - at
-                if m == 2 or stream.decision(4160 + class_of(m) + 8 * e + 32 * d):
+                if m == 2 or stream.decision(3648 + class_of(m) + 8 * e + 32 * d):
                     count = stream.number(1, m - 1)
                     flip(end - count, count)
                     f = 1
                     break
-                if m == 3 or stream.decision(4288 + class_of(m)):
+                last = m == 3 or stream.decision(3776 + class_of(m))
+                fitting = [run for run in self.common if at < run[0] < end] if m > 3 else []
+                slots = sum(weight for _, _, weight in fitting)
+                if slots and stream.decision(3792 + 8 * min(slots.bit_length(), 9) + class_of(m)):
+                    first, behind, _ = fitting[stream.weighted([weight for _, _, weight in fitting])]
+                    assert behind + (not last) < end
+                elif last:
                     count = stream.number(2, m - 2)
-                    flip(at + 1 + stream.choice(m - 1 - count), count)
+                    first = at + 1 + stream.choice(m - 1 - count)
+                    behind = first + count
+                else:
+                    first = at + stream.number(3, m - 3)
+                    behind = first + stream.number(4, end - first - 2)
+                flip(first, behind - first)
+                at = behind
+                if last:
                     break
-                at += stream.number(3, m - 3)
-                count = stream.number(4, end - at - 2)
-                flip(at, count)
-                at += count
         return row
 
 
@@ -830,5 +868,5 @@ def row_tables(source):
     """The two lists of numbers in the text of row_tables.cpp."""
     lists = re.findall(r"= \{\n([-0-9,\n]+)\};", source)
     weights, chances = ([int(number) for number in numbers.replace("\n", "").split(",") if number] for numbers in lists)
-    assert (len(weights), len(chances)) == (7051, 161)
+    assert (len(weights), len(chances)) == (7068, 161)
     return weights, chances

@@ -1,0 +1,268 @@
+#include "codecs/modelled/row_choices.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vismat {
+namespace {
+
+// The run ends that only one of two rows has.
+std::vector<std::uint32_t> changes_between(Ends a, Ends b) {
+  std::vector<std::uint32_t> only;
+  std::set_symmetric_difference(a.at, a.at + a.count, b.at, b.at + b.count, std::back_inserter(only));
+  return only;
+}
+
+// How much the changes from a to b tell about those from a to another row: 4 for each that is right, -1 for each that is wrong.
+int likeness(Ends a, Ends b, const std::vector<std::uint32_t>& changes) {
+  int score = 0;
+  auto next = changes.begin();
+  const std::uint32_t *at_a = a.at, *at_b = b.at;
+  const std::uint32_t *const end_a = at_a + a.count, *const end_b = at_b + b.count;
+  while (at_a != end_a || at_b != end_b) {  // sentinels end both
+    const std::uint32_t column = std::min(*at_a, *at_b);
+    const bool in_a = *at_a == column, in_b = *at_b == column;
+    at_a += in_a;
+    at_b += in_b;
+    if (in_a == in_b) continue;
+    while (next != changes.end() && *next < column) ++next;
+    score += next != changes.end() && *next == column ? 4 : -1;
+  }
+  return score;
+}
+
+// ---- references ------------------------------------------------------------------------------------------------------
+
+// Second references; and first ones among the rows of the same group, which cost no time.
+class ReferenceChoice {
+ public:
+  ReferenceChoice(CodedRows& rows, const RowLimits& limits) : rows_(rows), limits_(limits) {
+    const std::uint32_t count = rows.ends.rows(), kept = rows.plan.kept;
+    rows.second.assign(count, 0);
+    as_planned_ = rows.plan.reference;
+    double sum = 0;
+    for (std::uint32_t r = 0; r < count; ++r) sum += cost(r, rows.reference(r), own(r)).microseconds;
+    longest_ = limits.microseconds;
+    if (kept == 0) longest_ = std::min(longest_, limits.mean_rows * sum / count);
+    for (std::uint32_t r = 0; r < kept; ++r) choose(r, nullptr, Stands::kept, {}, r, 0);
+    std::vector<double> taken(count);  // the time of a row and of all that it takes
+    for (const Group& group : rows.groups) {
+      double now = group.outside <= kept ? 0 : taken[group.outside - 1];
+      for (std::uint32_t place = 0; place < group.size; ++place) {
+        const std::uint32_t r = group.first + place;
+        now += choose(r, &group, stands_at(place), rows.way_to(group, r), kept, now);
+        taken[r] = now;
+      }
+    }
+    rows.names_second = units_named_ < units_as_is_;
+    if (rows.names_second) return;
+    rows.second.assign(count, 0);
+    rows.plan.reference = as_planned_;
+  }
+
+ private:
+  std::uint32_t own(std::uint32_t r) const { return rows_.reference_of_number(rows_.reference(r)); }
+  RowCost cost(std::uint32_t r, std::uint32_t a, std::uint32_t b) const {
+    return cost_of_row(rows_.of_number(a), rows_.of_number(b), rows_.row(r), rows_.ends.columns(),
+                       *limits_.weights);
+  }
+  template <typename Code>
+  std::uint64_t units_of(const Code& code) const {
+    BitCounter counter(*limits_.weights);
+    code(counter);
+    return counter.units();
+  }
+  struct Choice {
+    std::uint64_t units;
+    std::uint32_t a, second;
+    double time;
+  };
+  // Returns the row's time.
+  double choose(std::uint32_t r, const Group* group, Stands stands, const std::vector<std::uint32_t>& way,
+                std::uint32_t kept, double before) {
+    constexpr std::size_t other_firsts = 1;
+    const std::uint32_t planned = rows_.reference(r);
+    const RowCost as_is = cost(r, planned, rows_.reference_of_number(planned));
+    if (rows_.plan.raw[r] || !limits_.names_second) return as_is.microseconds;
+    const std::uint32_t place = stands == Stands::in_group ? r - group->first : 0;
+    const auto naming = [&](std::uint32_t a) {
+      if (place == 0) return std::uint64_t{0};
+      return units_of([&](BitCounter& counter) { code_reference(counter, *group, kept, place, a); });
+    };
+    std::vector<std::pair<std::size_t, std::uint32_t>> firsts;
+    const auto offer = [&](std::uint32_t a) {
+      if (a != planned) firsts.emplace_back(changes_between(rows_.of_number(a), rows_.row(r)).size(), a);
+    };
+    for (std::uint32_t i = 0; i < place; ++i) offer(way[i]);
+    if (place > 0) offer(group->outside);
+    std::ranges::sort(firsts);
+    if (firsts.size() > other_firsts) firsts.resize(other_firsts);
+    firsts.insert(firsts.begin(), {0, planned});
+    const double limit = std::max(as_is.microseconds, longest_ - before);
+    Choice best{~std::uint64_t{0}, planned, 0, as_is.microseconds};
+    for (const auto& [changes, a] : firsts) {
+      const Choice choice = choose_second(r, a, stands, way, kept, limit, naming(a));
+      if (choice.units < best.units) best = choice;
+    }
+    units_as_is_ += as_is.units + naming(planned);
+    units_named_ += best.units;
+    rows_.plan.reference[r] = best.a == 0 ? no_row : best.a - 1;
+    rows_.second[r] = best.second;
+    return best.time;
+  }
+  Choice choose_second(std::uint32_t r, std::uint32_t a, Stands stands, const std::vector<std::uint32_t>& way,
+                       std::uint32_t kept, double limit, std::uint64_t naming) const {
+    constexpr std::size_t most_tried = 6, most_back = 64;
+    const std::uint32_t first = rows_.reference_of_number(a);
+    const auto steps = static_cast<std::uint32_t>(way.size());
+    const Ends of_a = rows_.of_number(a);
+    const std::uint32_t context = second_context(stands, of_a.count);
+    const auto changes = changes_between(of_a, rows_.row(r));
+    const int least = std::min(likeness(of_a, rows_.of_number(first), changes), 0) - 8;
+    struct Candidate {
+      int score;
+      std::uint32_t value, number;
+    };
+    std::vector<Candidate> candidates;
+    const auto offer = [&](std::uint32_t value, std::uint32_t number) {
+      if (number == a || number == first) return;
+      if (const int score = likeness(of_a, rows_.of_number(number), changes); score > least)
+        candidates.push_back({score, value, number});
+    };
+    for (std::uint32_t i = 0; i < std::min<std::size_t>(steps, most_back); ++i) offer(i + 1, way[i]);
+    for (std::uint32_t number = 0; number <= kept; ++number) offer(steps + 1 + number, number);
+    const std::size_t tried = std::min(candidates.size(), most_tried);
+    std::ranges::partial_sort(candidates, candidates.begin() + static_cast<std::ptrdiff_t>(tried), {},
+                              [](const Candidate& c) { return std::pair(-c.score, c.value); });
+    candidates.resize(tried);
+    candidates.push_back({0, 0, first});
+    Choice best{~std::uint64_t{0}, a, 0, 0};
+    for (const Candidate& candidate : candidates) {
+      const RowCost then = cost(r, a, candidate.number);
+      if (then.raw || then.microseconds > limit) continue;
+      const std::uint64_t units = then.units + naming + units_of([&](BitCounter& counter) {
+                                    code_second(counter, context, kept, steps, candidate.value);
+                                  });
+      if (units < best.units) best = {units, a, candidate.value, then.microseconds};
+    }
+    return best;
+  }
+  CodedRows& rows_;
+  const RowLimits& limits_;
+  std::vector<std::uint32_t> as_planned_;
+  double longest_ = 0;
+  std::uint64_t units_as_is_ = 0, units_named_ = 0;
+};
+
+// ---- common runs ---------------------------------------------------------------------------------------------------
+
+// A run that the references lack.
+struct NewRun {
+  CommonRuns::Slots room;  // the columns that it may have, as the first and the one behind the last
+  std::uint32_t start, end;
+  std::uint64_t units;  // bits of telling where it is, without common runs
+};
+
+class NewRunList : public BitCounter {
+ public:
+  using BitCounter::BitCounter;
+  void before_run(std::pair<std::uint32_t, std::uint32_t> room, std::pair<std::uint32_t, std::uint32_t> run) {
+    list.push_back({{room.first, room.second}, run.first, run.second, units()});
+  }
+  void after_run() { list.back().units = units() - list.back().units; }
+  std::vector<NewRun> list;
+};
+
+template <typename Coder>
+void code_all(Coder& coder, const CodedRows& rows, const CommonRuns& runs) {
+  const auto code_one = [&](std::uint32_t r, const std::vector<std::uint32_t>& way) {
+    if (rows.plan.raw[r]) return;
+    const Ends a = rows.of_number(rows.reference(r)), b = rows.of_number(rows.second_number(r, way));
+    const std::uint32_t columns = rows.ends.columns();
+    NoOut out;
+    code_row(coder, a, b, runs, rows.second[r] != 0, columns, {rows.row(r).at, false},
+             changed_segments(a, b, rows.row(r), columns), out);
+  };
+  for (std::uint32_t r = 0; r < rows.plan.kept; ++r) code_one(r, {});
+  for (const Group& group : rows.groups) {
+    for (std::uint32_t r = group.first; r < group.first + group.size; ++r) code_one(r, rows.way_to(group, r));
+  }
+}
+
+std::uint64_t units_with(const CodedRows& rows, const CommonRuns& runs, const RowWeights& weights) {
+  BitCounter counter(weights);
+  code_common_runs(counter, rows.ends.columns(), runs);
+  code_all(counter, rows, runs);
+  return counter.units();
+}
+
+// Runs leave where what they save is less than what it takes to list them.
+CommonRuns common_runs(const CodedRows& rows, const RowWeights& weights) {
+  constexpr std::int64_t listed = 11 * bit_unit, named = bit_unit;
+  NewRunList found(weights);
+  code_all(found, rows, {});
+  struct Entry {
+    CommonRuns::Run run;
+    std::uint32_t count;
+    std::int64_t saved = 0;
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> all;
+  for (const NewRun& run : found.list) all.emplace_back(run.start, run.end);
+  std::ranges::sort(all);
+  std::vector<Entry> entries;
+  for (std::size_t i = 0; i < all.size();) {
+    std::size_t end = i;
+    while (end < all.size() && all[end] == all[i]) ++end;
+    if (const auto count = static_cast<std::uint32_t>(end - i); count > 1) {
+      const auto octave = static_cast<std::uint32_t>(std::bit_width(count)) - 2;
+      entries.push_back({{all[i].first, all[i].second, std::min(octave, CommonRuns::octaves - 1)}, count});
+    }
+    i = end;
+  }
+  CommonRuns runs;
+  for (int round = 0; round < 6; ++round) {
+    if (entries.size() > CommonRuns::most) {
+      std::ranges::stable_sort(entries, [](const Entry& a, const Entry& b) {
+        return a.saved != b.saved ? a.saved > b.saved : a.count > b.count;
+      });
+      entries.resize(CommonRuns::most);
+      std::ranges::sort(entries, {}, &Entry::run);
+    }
+    std::vector<CommonRuns::Run> list;
+    for (Entry& entry : entries) {
+      entry.saved = 0;
+      list.push_back(entry.run);
+    }
+    runs = CommonRuns(std::move(list), rows.ends.columns());
+    if (round == 5) break;
+    for (const NewRun& run : found.list) {
+      const std::uint32_t index = runs.find(run.start, run.end);
+      if (index == CommonRuns::none) continue;
+      BitCounter counter(weights);
+      counter.take(runs.starting(run.room.first, run.room.count).count, 0, entries[index].run.octave);
+      entries[index].saved +=
+          static_cast<std::int64_t>(run.units) - static_cast<std::int64_t>(counter.units()) - named;
+    }
+    std::erase_if(entries, [&](const Entry& entry) { return entry.saved < listed; });
+  }
+  return units_with(rows, runs, weights) < units_with(rows, {}, weights) ? runs : CommonRuns();
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> CodedRows::way_to(const Group& group, std::uint32_t r) const {
+  std::vector<std::uint32_t> way;
+  std::uint32_t last = r;  // the number of the last row decoded before it
+  for (const Group* in = &group;; in = &groups[in->above]) {
+    for (; last > in->first && way.size() < ModelledRowFormat::longest_way; --last) way.push_back(last);
+    if (in->above == Group::none || way.size() == ModelledRowFormat::longest_way) return way;
+    last = in->outside;
+  }
+}
+
+void choose_rest(CodedRows& rows, const RowLimits& limits) {
+  ReferenceChoice(rows, limits);
+  if (limits.names_runs) rows.runs = common_runs(rows, *limits.weights);
+}
+
+}  // namespace vismat
