@@ -6,7 +6,7 @@
 // many levels: adaptive ones would have to read other rows first. Rows stand in the order of a tree of references, depth
 // first; up to 16 that follow one another share a range coder's stream, so that no row pays for the padding of its own.
 // The encoder bounds the modelled time of a row with all that it takes rather than the length of the chain. The first
-// rows, up to 64, are decoded when the file is opened: they are the top of the tree, and cost a row that hangs below
+// rows, up to 255, are decoded when the file is opened: they are the top of the tree, and cost a row that hangs below
 // them nothing.
 //
 // TRIED AND WORSE is in docs/codecs.md, "Rows under similar rows".
