@@ -156,6 +156,7 @@ void fill_untrained(std::vector<float>& weights, const std::vector<std::vector<D
 }
 
 RowWeights train(const std::vector<const RowMatrix*>& subjects, const TrainOptions& options) {
+  if (options.rounds == 0) return row_weights;
   std::vector<bool> without(row_weight_count);
   for (const std::string& name : options.without) {
     const auto found =
@@ -221,7 +222,8 @@ constinit const std::array<std::uint16_t, 1024> chance_of_sum = [] {
   std::array<std::uint16_t, 1024> chances{};
   for (int sum = -512; sum < 512; ++sum) {
     const std::uint16_t chance = upper_chances[static_cast<std::size_t>(std::min(sum < 0 ? -sum : sum, 160))];
-    chances[static_cast<std::size_t>(512 + sum)] = sum < 0 ? static_cast<std::uint16_t>(65536 - chance) : chance;
+    chances[static_cast<std::size_t>(512 + sum)] =
+        sum < 0 ? static_cast<std::uint16_t>(65536 - chance) : chance;
   }
   return chances;
 }();
@@ -288,7 +290,8 @@ void add_train_rows(const Verb& verb) {
       "--leave-out", options->leave_out,
       "Report each level's bytes under weights that were trained on the other levels; a level is what stands "
       "before the first dot of a file's name");
-  verb.option("--rounds", options->rounds, "How often to plan and to fit");
+  verb.option("--rounds", options->rounds,
+              "How often to plan and to fit; 0 reports what rows take under the codecs' own weights");
   std::vector<std::string> names;
   for (const Idea& idea : ideas) names.emplace_back(idea.name);
   verb.option("--without", options->without, "Contexts to leave out").comma_separated().one_of(names);

@@ -31,11 +31,18 @@ declare -A place_of=(
   [czest3ctf]=openarena-081-maps/pak1-maps.pk3
   [oa_spirit3]=openarena-081-maps/pak1-maps.pk3
   [oasago2]=openarena-081-maps/pak1-maps.pk3
+  [aggressor]=openarena-081-maps/pak1-maps.pk3
+  [wrackdm17]=openarena-081-maps/pak1-maps.pk3
+  [am_underworks2]=openarena-085-data/pak6-patch085.pk3
   [ctf_compromise]=openarena-085-data/pak6-patch085.pk3
   [oa_thor]=openarena-088-data/pak6-patch088.pk3
+  [oacmpdm4]=openarena-oacmp1/z_oacmp-volume1-v3.pk3
+  [oacmpdm9]=openarena-oacmp1/z_oacmp-volume1-v3.pk3
   [E1M1]=freedoom/freedoom1.wad
+  [E2M3]=freedoom/freedoom1.wad
   [MAP01]=freedoom/freedoom2.wad
   [MAP10]=freedoom/freedoom2.wad
+  [MAP20]=freedoom/freedoom2.wad
 )
 
 # level NAME: where the level lies, as vismat reads it.
@@ -59,7 +66,7 @@ present() {
   local name level file
   for name in "$@"; do
     level=${name%%.*}
-    if [[ $level != artificial-* ]]; then
+    if [[ -v place_of[$level] ]]; then
       file=$(level "$level")
       if [ ! -e "${file%%:*}" ]; then
         not_measured "$level: package ${place_of[$level]%/*} was not fetched"
@@ -88,6 +95,7 @@ every_package() { find "$levels" -mindepth 1 -maxdepth 1 -type d ! -name '.*' -p
 #   artificial-1, artificial-2   an artificial city, over the nodes of its quadtree
 #   LEVEL.cells, LEVEL.faces     what the view cells of a level see of one another, or of its faces
 #   LEVEL.cells.nodes ...        the same, over the nodes of a tree of boxes
+#   LEVEL.octants, dense-city.octants, plant.octants   view cells against octants of a level or a generated scene
 #   NAME.differences             the differences between cells that touch in matrix NAME
 matrix() {
   local file=out/matrices/$1.bsp.h5 part=out/matrices/part/$1.bsp.h5 name=$1 tree=(none) kind
@@ -100,6 +108,11 @@ matrix() {
         artificial-*)
           "$vismat" city --size $((32 * ${name#artificial-})) -o "out/matrices/part/$name.scene.h5"
           "$vismat" see "out/matrices/part/$name.scene.h5" --producer climbing -o "$part"
+          ;;
+        *.octants)
+          name=${name%.octants}
+          if [[ -v place_of[$name] ]]; then name=$(level "$name"); fi
+          "$bench" octants "$name" -o "$part"
           ;;
         *)
           if [[ $name == *.nodes ]]; then tree=(bounds --nodes); fi
@@ -269,7 +282,8 @@ run_steps() {
   steps
   for process in "${beside[@]}"; do finish "$process"; done
 
-  printf '\n== the page, %s/report.html\n' "$out"
   gather
+  if [ ! -e "bench/reproduce/${result}_report.py" ]; then return; fi
+  printf '\n== the page, %s/report.html\n' "$out"
   /usr/bin/python3 "bench/reproduce/${result}_report.py" out ${full:+"results/$result"}
 }
