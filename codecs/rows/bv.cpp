@@ -28,15 +28,15 @@
 namespace vismat {
 namespace {
 
-constexpr unsigned k = BvRows::zeta;
+constexpr unsigned zeta_k = BvRows::zeta;
 
 // Numbers are coded as n + 1, below 2^34.
 unsigned gamma_bits(std::uint64_t n) {
   return 2 * static_cast<unsigned>(std::bit_width(n + 1)) - 1;
 }
 unsigned zeta_bits(std::uint64_t n) {
-  const unsigned h = (static_cast<unsigned>(std::bit_width(n + 1)) - 1) / k;
-  return h + 1 + (h + 1) * k - ((n + 1) >> (h * k + 1) == 0);
+  const unsigned h = (static_cast<unsigned>(std::bit_width(n + 1)) - 1) / zeta_k;
+  return h + 1 + (h + 1) * zeta_k - ((n + 1) >> (h * zeta_k + 1) == 0);
 }
 std::uint64_t natural(std::int64_t n) {
   return n >= 0 ? 2 * static_cast<std::uint64_t>(n) : 2 * static_cast<std::uint64_t>(-n) - 1;
@@ -60,8 +60,8 @@ class Writer {
   // The h-th interval, from 2^(h k) to 2^((h + 1) k) - 1, in minimal binary code: its lower part takes a bit less.
   void zeta(std::uint64_t n) {
     const std::uint64_t x = n + 1;
-    const unsigned h = (static_cast<unsigned>(std::bit_width(x)) - 1) / k, width = (h + 1) * k - 1;
-    const std::uint64_t low = std::uint64_t{1} << (h * k);
+    const unsigned h = (static_cast<unsigned>(std::bit_width(x)) - 1) / zeta_k, width = (h + 1) * zeta_k - 1;
+    const std::uint64_t low = std::uint64_t{1} << (h * zeta_k);
     unary(h);
     if (x < 2 * low) return put(x - low, width);
     put(x / 2, width);
@@ -96,8 +96,8 @@ class Reader {
     return ((std::uint64_t{1} << below) | get(below)) - 1;
   }
   std::uint64_t zeta() {
-    const unsigned h = unary(33 / k), width = (h + 1) * k - 1;
-    const std::uint64_t low = std::uint64_t{1} << (h * k), read = get(width);
+    const unsigned h = unary(33 / zeta_k), width = (h + 1) * zeta_k - 1;
+    const std::uint64_t low = std::uint64_t{1} << (h * zeta_k), read = get(width);
     return (read < low ? read + low : 2 * read + get(1)) - 1;
   }
   void check() const {

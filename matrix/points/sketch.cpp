@@ -26,15 +26,15 @@ namespace vismat {
 namespace {
 
 constexpr std::uint32_t unknown = 0xffffffff;
-constexpr std::uint64_t piece = 256;  // points a task
+constexpr std::uint64_t points_a_task = 256;
 
 template <typename Work>
 void for_points(std::uint64_t count, unsigned threads, const Work& work, const Progress& progress = {}) {
   const auto do_piece = [&](std::uint64_t n) {
-    for (std::uint64_t p = n * piece; p < std::min(count, (n + 1) * piece); ++p)
+    for (std::uint64_t p = n * points_a_task; p < std::min(count, (n + 1) * points_a_task); ++p)
       work(static_cast<std::uint32_t>(p));
   };
-  parallel_for((count + piece - 1) / piece, threads, do_piece, progress);
+  parallel_for((count + points_a_task - 1) / points_a_task, threads, do_piece, progress);
 }
 
 std::uint32_t width(const SparsePoints& points, std::uint32_t bits) {
