@@ -1,7 +1,9 @@
 #include "codecs/modelled/row_choices.h"
 
 #include <algorithm>
-#include <cmath>
+#include <numeric>
+
+#include "matrix/base/parallel.h"
 
 namespace vismat {
 namespace {
@@ -33,31 +35,52 @@ int likeness(Ends a, Ends b, const std::vector<std::uint32_t>& changes) {
 
 // ---- references ------------------------------------------------------------------------------------------------------
 
+// The numbers of groups by how many groups they are in.
+std::vector<std::vector<std::uint32_t>> levels_of(const std::vector<Group>& groups) {
+  std::vector<std::vector<std::uint32_t>> levels;
+  std::vector<std::uint32_t> level(groups.size());
+  for (std::uint32_t g = 0; g < groups.size(); ++g) {
+    if (groups[g].above != Group::none) level[g] = level[groups[g].above] + 1;
+    if (level[g] == levels.size()) levels.emplace_back();
+    levels[level[g]].push_back(g);
+  }
+  return levels;
+}
+
 // Second references; and first ones among the rows of the same group, which cost no time.
 class ReferenceChoice {
  public:
-  ReferenceChoice(CodedRows& rows, const RowLimits& limits) : rows_(rows), limits_(limits) {
+  ReferenceChoice(CodedRows& rows, const RowLimits& limits, unsigned threads) : rows_(rows), limits_(limits) {
     const std::uint32_t count = rows.ends.rows(), kept = rows.plan.kept;
     rows.second.assign(count, 0);
-    as_planned_ = rows.plan.reference;
-    double sum = 0;
-    for (std::uint32_t r = 0; r < count; ++r) sum += cost(r, rows.reference(r), own(r)).microseconds;
+    const std::vector<std::uint32_t> as_planned = rows.plan.reference;
     longest_ = limits.microseconds;
-    if (kept == 0) longest_ = std::min(longest_, limits.mean_rows * sum / count);
-    for (std::uint32_t r = 0; r < kept; ++r) choose(r, nullptr, Stands::kept, {}, r, 0);
-    std::vector<double> taken(count);  // the time of a row and of all that it takes
-    for (const Group& group : rows.groups) {
-      double now = group.outside <= kept ? 0 : taken[group.outside - 1];
-      for (std::uint32_t place = 0; place < group.size; ++place) {
-        const std::uint32_t r = group.first + place;
-        now += choose(r, &group, stands_at(place), rows.way_to(group, r), kept, now);
-        taken[r] = now;
-      }
+    if (kept == 0) {
+      double sum = 0;
+      for (std::uint32_t r = 0; r < count; ++r) sum += cost(r, rows.reference(r), own(r)).microseconds;
+      longest_ = std::min(longest_, limits.mean_rows * sum / count);
     }
-    rows.names_second = units_named_ < units_as_is_;
+    std::int64_t saved = 0;  // units, by naming
+    for (std::uint32_t r = 0; r < kept; ++r) saved += choose(r, nullptr, Stands::kept, {}, r, 0).saved;
+    std::vector<double> taken(count);  // the time of a row and of all that it takes
+    std::vector<std::int64_t> saved_by(rows.groups.size());
+    // A group waits for those above it alone.
+    for (const std::vector<std::uint32_t>& level : levels_of(rows.groups)) {
+      parallel_for(level.size(), threads, [&](std::uint64_t i) {
+        const Group& group = rows.groups[level[i]];
+        double now = group.outside <= kept ? 0 : taken[group.outside - 1];
+        for (std::uint32_t place = 0; place < group.size; ++place) {
+          const std::uint32_t r = group.first + place;
+          const Chosen chosen = choose(r, &group, stands_at(place), rows.way_to(group, r), kept, now);
+          taken[r] = now += chosen.time;
+          saved_by[level[i]] += chosen.saved;
+        }
+      });
+    }
+    rows.names_second = std::accumulate(saved_by.begin(), saved_by.end(), saved) > 0;
     if (rows.names_second) return;
     rows.second.assign(count, 0);
-    rows.plan.reference = as_planned_;
+    rows.plan.reference = as_planned;
   }
 
  private:
@@ -77,13 +100,16 @@ class ReferenceChoice {
     std::uint32_t a, second;
     double time;
   };
-  // Returns the row's time.
-  double choose(std::uint32_t r, const Group* group, Stands stands, const std::vector<std::uint32_t>& way,
+  struct Chosen {
+    double time;
+    std::int64_t saved;  // units, against the row's reference and that one's own
+  };
+  Chosen choose(std::uint32_t r, const Group* group, Stands stands, const std::vector<std::uint32_t>& way,
                 std::uint32_t kept, double before) {
     constexpr std::size_t other_firsts = 1;
     const std::uint32_t planned = rows_.reference(r);
     const RowCost as_is = cost(r, planned, rows_.reference_of_number(planned));
-    if (rows_.plan.raw[r] || !limits_.names_second) return as_is.microseconds;
+    if (rows_.plan.raw[r] || !limits_.names_second) return {as_is.microseconds, 0};
     const std::uint32_t place = stands == Stands::in_group ? r - group->first : 0;
     const auto naming = [&](std::uint32_t a) {
       if (place == 0) return std::uint64_t{0};
@@ -104,11 +130,10 @@ class ReferenceChoice {
       const Choice choice = choose_second(r, a, stands, way, kept, limit, naming(a));
       if (choice.units < best.units) best = choice;
     }
-    units_as_is_ += as_is.units + naming(planned);
-    units_named_ += best.units;
     rows_.plan.reference[r] = best.a == 0 ? no_row : best.a - 1;
     rows_.second[r] = best.second;
-    return best.time;
+    return {best.time,
+            static_cast<std::int64_t>(as_is.units + naming(planned)) - static_cast<std::int64_t>(best.units)};
   }
   Choice choose_second(std::uint32_t r, std::uint32_t a, Stands stands, const std::vector<std::uint32_t>& way,
                        std::uint32_t kept, double limit, std::uint64_t naming) const {
@@ -149,9 +174,7 @@ class ReferenceChoice {
   }
   CodedRows& rows_;
   const RowLimits& limits_;
-  std::vector<std::uint32_t> as_planned_;
   double longest_ = 0;
-  std::uint64_t units_as_is_ = 0, units_named_ = 0;
 };
 
 // ---- common runs ---------------------------------------------------------------------------------------------------
@@ -260,8 +283,8 @@ std::vector<std::uint32_t> CodedRows::way_to(const Group& group, std::uint32_t r
   }
 }
 
-void choose_rest(CodedRows& rows, const RowLimits& limits) {
-  ReferenceChoice(rows, limits);
+void choose_rest(CodedRows& rows, const RowLimits& limits, unsigned threads) {
+  ReferenceChoice(rows, limits, threads);
   if (limits.names_runs) rows.runs = common_runs(rows, *limits.weights);
 }
 

@@ -38,7 +38,7 @@ struct CodedRows {
   std::vector<std::uint32_t> way_to(const Group& group, std::uint32_t r) const;
 };
 
-/// Chooses second references and common runs for rows in groups. Deterministic.
-void choose_rest(CodedRows& rows, const RowLimits& limits);
+/// Chooses second references and common runs for rows in groups. The same for any number of threads.
+void choose_rest(CodedRows& rows, const RowLimits& limits, unsigned threads);
 
 }  // namespace vismat

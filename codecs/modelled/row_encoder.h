@@ -14,9 +14,9 @@ namespace vismat {
 class RowEncoder {
  public:
   RowEncoder(const VisibilityMatrix& matrix, const RowLimits& limits, const EncodeOptions& options)
-      : RowEncoder(planned(matrix, limits, options), limits) {}
+      : RowEncoder(planned(matrix, limits, options), limits, options.threads) {}
   /// Of rows with a plan.
-  RowEncoder(CodedRows rows, const RowLimits& limits) : rows_(std::move(rows)) {
+  RowEncoder(CodedRows rows, const RowLimits& limits, unsigned threads) : rows_(std::move(rows)) {
     std::vector<std::uint32_t> group_of(rows_.ends.rows(), Group::none);
     std::uint32_t first = kept();
     for (const std::uint32_t size : rows_.plan.group_sizes) {
@@ -26,7 +26,7 @@ class RowEncoder {
       rows_.groups.push_back(group);
       first += size;
     }
-    choose_rest(rows_, limits);
+    choose_rest(rows_, limits, threads);
   }
   /// Which row of the matrix stands at each place; what follows is by places.
   const std::vector<std::uint32_t>& order() const { return rows_.plan.order; }
