@@ -23,10 +23,9 @@ struct Ends {
 /// Where each table of weights begins in row_weights. The contexts of a decision are one place in each of its tables;
 /// the sum of the weights there gives its probability.
 enum RowTable : std::uint32_t {
-  copy_shape = 0,  // a segment's values and what changes at its ends; its length
-  copy_recent =
-      copy_shape + 1024,  // the last outcomes; whether they were as in the second reference; its length
-  copy_left = copy_recent + 1024,  // how many of the segments left change; its length
+  copy_shape = 0,                   // a segment's values and what changes at its ends; its length
+  copy_recent = copy_shape + 1024,  // the last outcomes where A is the same, and if B told them; its length
+  copy_left = copy_recent + 1024,   // how many of the segments left change; its length
   all_shape = copy_left + 1024,
   all_recent = all_shape + 256,
   prefix_shape = all_recent + 64,
@@ -135,7 +134,8 @@ template <typename Coder, typename Out>
   const std::uint32_t *next_a = a.at, *next_b = b.at;
   std::uint32_t left = code_number(coder, NumberKind::changes, a.count + b.count + 2, changes + 1) - 1;
   std::uint32_t at = 0, value = 0, other = 0;
-  std::uint32_t recent = 0, agreed = 0, flipped = 0;
+  std::uint32_t recent = 0, flipped = 0;
+  std::uint32_t recent_of[2] = {}, agreed_of[2] = {};  // the same, of segments of either value
   std::uint32_t few = left > 0 ? half_octaves(left) : 0;
   out.room(a.count + b.count + 4);
   while (left > 0) {
@@ -158,22 +158,25 @@ template <typename Coder, typename Out>
         static_cast<std::uint32_t>((a.at + a.count - next_a) + (b.at + b.count - next_b)) + 1;
     const std::uint32_t many = half_octaves(segments);
     const std::uint32_t ratio = many > few ? std::min(many - few, 15u) : 0;
-    const bool changed = coder.decide(
-        reads || row.value != bool(value) || *row.next < end,
-        copy_shape + shape + end_a * 32 + end_b * 64 + size * 128,
-        copy_recent + differ + (agreed & 7) * 2 + (recent & 7) * 16 + named * 128 + std::min(size, 3u) * 256,
-        copy_left + ratio + (std::min(left, 8u) - 1) * 16 + size * 128);
+    const bool changed =
+        coder.decide(reads || row.value != bool(value) || *row.next < end,
+                     copy_shape + shape + end_a * 32 + end_b * 64 + size * 128,
+                     copy_recent + differ + (agreed_of[value] & 7) * 2 + (recent_of[value] & 7) * 16 +
+                         named * 128 + std::min(size, 3u) * 256,
+                     copy_left + ratio + (std::min(left, 8u) - 1) * 16 + size * 128);
     // What follows from the decision stands in branches, which a processor predicts, rather than in sums, which wait.
     if (!changed) {
       recent <<= 1;
-      agreed <<= differ;
+      recent_of[value] <<= 1;
+      agreed_of[value] <<= differ;
       flipped = 0;
       out.to(at, value);
       at = end;
       continue;
     }
     recent = recent << 1 | 1;
-    agreed = agreed << 1 | differ;
+    recent_of[value] = recent_of[value] << 1 | 1;
+    agreed_of[value] = agreed_of[value] << 1 | differ;
     --left;
     if (left > 0) few = half_octaves(left);
     const std::uint32_t ends = end_a + 2 * end_b;

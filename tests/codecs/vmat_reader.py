@@ -802,7 +802,8 @@ class ModelledRows:
             return 2 * v.bit_length() + (v > 1 and v >> (v.bit_length() - 2) & 1)
 
         left = stream.number(5, len(ends_a) + len(ends_b) + 2) - 1
-        history = agreed = f = segment = 0
+        history = f = segment = 0
+        history_of, agreed_of = [0, 0], [0, 0]  # of segments where A is 0, and where it is 1
         while left:
             begin, end = starts[segment], starts[segment + 1]
             segment += 1
@@ -813,11 +814,12 @@ class ModelledRows:
             r = min(15, max(0, g(z) - g(left)))
             s, e = a + 2 * d + 4 * (begin in ends_a) + 8 * (begin in ends_b) + 16 * f, behind_a + 2 * behind_b
             changed = stream.decision(s + 32 * behind_a + 64 * behind_b + 128 * c,
-                                      1024 + d + 2 * (agreed & 7) + 16 * (history & 7) + 128 * named + 256 * min(c, 3),
+                                      1024 + d + 2 * (agreed_of[a] & 7) + 16 * (history_of[a] & 7) + 128 * named + 256 * min(c, 3),
                                       2048 + r + 16 * (min(left, 8) - 1) + 128 * c)
             history = 2 * history + changed
+            history_of[a] = 2 * history_of[a] + changed
             if changed or d:
-                agreed = 2 * agreed + (changed & d)
+                agreed_of[a] = 2 * agreed_of[a] + (changed & d)
             left -= changed
 
             def flip(first, count):
