@@ -87,7 +87,7 @@ study() {
   small_level "$1"
   "$bench" row-study "$1"/*.bsp.h5 --out "$part"
   echo 'matrix,without,small,quick' >"$part/training.csv"
-  for idea in '' shape recent left second runs; do
+  for idea in '' shape recent left; do
     "$bench" train-rows --rounds 2 ${idea:+--without $idea} "$1"/*.bsp.h5 |
       awk -v idea="${idea:-nothing}" 'NR > 1 { print $1 "," idea "," $5 "," $6 }' >>"$part/training.csv"
   done

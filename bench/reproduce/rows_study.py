@@ -9,9 +9,12 @@ import pandas as pd
 from report_tools import BLUE, GREEN, GREY, LIGHT_BLUE, LIGHT_GREY, LIGHT_ORANGE, ORANGE, PURPLE, RED, SKY, TEAL, legend_below, panels, plain_ticks
 
 # What the parts are, as a reader should see them.
-PARTS = {"second reference": "the reference's own reference", "groups": "groups of rows in one stream", "kept rows": "rows kept decoded", "references": "any reference at all",
-         "order of rows by references": "rows in the tree's order", "duplicates once": "equal rows and columns once", "limit of time": "the limit on decoding time",
-         "shape": "contexts: values and changes around", "recent": "contexts: last outcomes", "lengths": "contexts: segment lengths", "left": "contexts: how many changes are left"}
+PARTS = {
+    "second reference": "a second reference", "named second references": "the choice of a second reference", "common runs": "runs listed once",
+    "groups": "groups of rows in one stream", "kept rows": "rows kept decoded", "references": "any reference at all",
+    "order of rows by references": "rows in the tree's order", "duplicates once": "equal rows and columns once", "limit of time": "the limit on decoding time",
+    "shape": "contexts: values and changes around", "recent": "contexts: last outcomes", "left": "contexts: how many changes are left",
+}
 ORDERS = {"natural": (GREY, "natural"), "random": (RED, "random"), "of half the rows": (SKY, "best of every second row"), "of another matrix": (ORANGE, "best of another matrix of the level")}
 KIND_COLOURS = (BLUE, LIGHT_BLUE, SKY, ORANGE, LIGHT_ORANGE, PURPLE, GREY, LIGHT_GREY)
 CODEC_COLOURS = {"rows-small": BLUE, "rows-quick": SKY, "rows-fast-ids": TEAL, "rows-fast-bits": GREEN, "bv": RED, "pair-huffman-shared": PURPLE, "quake-rle": GREY, "roaring": "#333333", "xz": ORANGE}
