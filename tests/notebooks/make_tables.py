@@ -83,7 +83,7 @@ def main(vismat, bench, out):
         run("rows, natural", vismat, "compare", "--seconds", 0, "--codecs", "zpaq", "--csv", rows / "natural.csv", octants, cells)
         run("row study", bench, "row-study", "--out", rows, "--flipped", ".01,.05", "--codecs", "rows-small,pair-huffman-shared,quake-rle", cells)
         lines = ["matrix,without,small,quick"]
-        for idea in ("nothing", "recent"):
+        for idea in ("nothing", "shape"):
             run(f"trained without {idea}", bench, "train-rows", "--rounds", 1, *(("--without", idea) if idea != "nothing" else ()), cells)
             for line in (told / f"trained without {idea}.txt").read_text().splitlines()[1:]:
                 name, *_, small, quick = line.split()

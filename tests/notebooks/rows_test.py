@@ -84,7 +84,7 @@ class Rows(pages.Pages):
             if without in ("second reference", "references", "groups"):
                 self.assertGreater(taken[matrix, codec, without], taken[matrix, codec, "nothing"])
         trained = {row["without"]: int(row["small"]) for row in self.rows("rows/training")}
-        self.assertNotEqual(trained["recent"], trained["nothing"])
+        self.assertNotEqual(trained["shape"], trained["nothing"])
         taken = {(row["matrix"], row["codec"], row["flipped"], row["order"]): int(row["bytes"]) for row in self.rows("rows/sensitivity")}
         for matrix, codec, flipped, order in taken:
             if codec in ("rows-small", "pair-huffman-shared"):
