@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "matrix/base/parallel.h"
+#include "matrix/points/inverted_index.h"
 
 namespace vismat {
 namespace {
@@ -60,6 +61,8 @@ class ReferenceChoice {
       for (std::uint32_t r = 0; r < count; ++r) sum += cost(r, rows.reference(r), own(r)).microseconds;
       longest_ = std::min(longest_, limits.mean_rows * sum / count);
     }
+    kept_ends_ = InvertedIndex(kept, rows.ends.columns(),
+                               [&](std::uint32_t r) { return std::span(rows.row(r).at, rows.row(r).count); });
     std::int64_t saved = 0;  // units, by naming
     for (std::uint32_t r = 0; r < kept; ++r) saved += choose(r, nullptr, Stands::kept, {}, r, 0).saved;
     std::vector<double> taken(count);  // the time of a row and of all that it takes
@@ -149,13 +152,14 @@ class ReferenceChoice {
       std::uint32_t value, number;
     };
     std::vector<Candidate> candidates;
-    const auto offer = [&](std::uint32_t value, std::uint32_t number) {
-      if (number == a || number == first) return;
-      if (const int score = likeness(of_a, rows_.of_number(number), changes); score > least)
-        candidates.push_back({score, value, number});
+    const auto offer = [&](std::uint32_t value, std::uint32_t number, int score) {
+      if (number != a && number != first && score > least) candidates.push_back({score, value, number});
     };
-    for (std::uint32_t i = 0; i < std::min<std::size_t>(steps, most_back); ++i) offer(i + 1, way[i]);
-    for (std::uint32_t number = 0; number <= kept; ++number) offer(steps + 1 + number, number);
+    for (std::uint32_t i = 0; i < std::min<std::size_t>(steps, most_back); ++i)
+      offer(i + 1, way[i], likeness(of_a, rows_.of_number(way[i]), changes));
+    const std::vector<int> of_kept = likeness_of_kept(of_a, changes);
+    for (std::uint32_t number = 0; number <= kept; ++number)
+      offer(steps + 1 + number, number, of_kept[number]);
     const std::size_t tried = std::min(candidates.size(), most_tried);
     std::ranges::partial_sort(candidates, candidates.begin() + static_cast<std::ptrdiff_t>(tried), {},
                               [](const Candidate& c) { return std::pair(-c.score, c.value); });
@@ -172,8 +176,27 @@ class ReferenceChoice {
     }
     return best;
   }
+  // likeness() for the rows that readers keep, by their numbers: the same figures from what run ends they have in common.
+  std::vector<int> likeness_of_kept(Ends a, const std::vector<std::uint32_t>& changes) const {
+    const std::span of_a(a.at, a.count);
+    std::vector<std::uint32_t> lost, gained;  // of a's run ends, of those of the row
+    std::ranges::set_intersection(changes, of_a, std::back_inserter(lost));
+    std::ranges::set_difference(changes, of_a, std::back_inserter(gained));
+    std::vector<int> common(rows_.plan.kept), right(rows_.plan.kept), wrong(rows_.plan.kept);
+    kept_ends_.count_common(of_a, common.data());
+    kept_ends_.count_common(gained, right.data());
+    kept_ends_.count_common(lost, wrong.data());
+    const int all = static_cast<int>(a.count), told = 5 * static_cast<int>(lost.size());
+    std::vector<int> scores = {told - all};
+    for (std::uint32_t r = 0; r < rows_.plan.kept; ++r)
+      scores.push_back(told + 5 * (right[r] - wrong[r]) -
+                       (all + static_cast<int>(rows_.row(r).count) - 2 * common[r]));
+    return scores;
+  }
+
   CodedRows& rows_;
   const RowLimits& limits_;
+  InvertedIndex kept_ends_;
   double longest_ = 0;
 };
 
