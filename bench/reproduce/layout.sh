@@ -2,8 +2,6 @@
 # layout      orders of columns and rows with lower bounds, section 6.1 and Figs. 6 and 12 of Chhugani et al. 2005; --full goes up to the paper's size
 . "$(dirname "$0")/shared.sh"
 
-make_matrix() { matrix "$1" >/dev/null; }
-
 # orders SIDE MATRIX
 orders() {
   local file

@@ -2,8 +2,6 @@
 # lossy       merged view cells and objects, clusters and subsets: bytes against added entries; Table 3 of Zach and Karner 2003
 . "$(dirname "$0")/shared.sh"
 
-make_matrix() { matrix "$1" >/dev/null; }
-
 # curves MATRIX [OPTION...]: each coded matrix is compared with its source.
 curves() {
   local file

@@ -9,7 +9,6 @@ names=(
   {E1M1,E2M3,MAP10,MAP20}.cells
   {oa_thor,ctf_compromise,dense-city,plant}.octants
 )
-make_matrix() { matrix "$1" >/dev/null; }
 
 train() {
   local name files=() verdict=differ

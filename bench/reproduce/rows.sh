@@ -55,8 +55,6 @@ artificial() {
   compare "$file"
 }
 
-make_matrix() { matrix "$1" >/dev/null; }
-
 # speed MATRIX: single rows as numbers and as bits.
 speed() {
   local file

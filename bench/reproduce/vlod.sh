@@ -2,8 +2,6 @@
 # vlod        differences between view cells, and the size and speed of every codec; Table 2 and Figs. 9 and 14 of Chhugani et al. 2005
 . "$(dirname "$0")/shared.sh"
 
-make_matrix() { matrix "$1" >/dev/null; }
-
 codes() {
   local file
   file=$(matrix "$1")
