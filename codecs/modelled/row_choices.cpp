@@ -16,9 +16,13 @@ std::vector<std::uint32_t> changes_between(Ends a, Ends b) {
   return only;
 }
 
-// How much the changes from a to b tell about those from a to another row: 4 for each that is right, -1 for each that is wrong.
+// How much changes from a row to a second one, of which some are right, tell about those to another: 4 for each that is right, -1
+// for each that is wrong.
+int likeness(int right, int changes) {
+  return 5 * right - changes;
+}
 int likeness(Ends a, Ends b, const std::vector<std::uint32_t>& changes) {
-  int score = 0;
+  int right = 0, all = 0;
   auto next = changes.begin();
   const std::uint32_t *at_a = a.at, *at_b = b.at;
   const std::uint32_t *const end_a = at_a + a.count, *const end_b = at_b + b.count;
@@ -29,9 +33,10 @@ int likeness(Ends a, Ends b, const std::vector<std::uint32_t>& changes) {
     at_b += in_b;
     if (in_a == in_b) continue;
     while (next != changes.end() && *next < column) ++next;
-    score += next != changes.end() && *next == column ? 4 : -1;
+    right += next != changes.end() && *next == column;
+    ++all;
   }
-  return score;
+  return likeness(right, all);
 }
 
 // ---- references ------------------------------------------------------------------------------------------------------
@@ -182,15 +187,15 @@ class ReferenceChoice {
     std::vector<std::uint32_t> lost, gained;  // of a's run ends, of those of the row
     std::ranges::set_intersection(changes, of_a, std::back_inserter(lost));
     std::ranges::set_difference(changes, of_a, std::back_inserter(gained));
-    std::vector<int> common(rows_.plan.kept), right(rows_.plan.kept), wrong(rows_.plan.kept);
+    std::vector<int> common(rows_.plan.kept), in_gained(rows_.plan.kept), in_lost(rows_.plan.kept);
     kept_ends_.count_common(of_a, common.data());
-    kept_ends_.count_common(gained, right.data());
-    kept_ends_.count_common(lost, wrong.data());
-    const int all = static_cast<int>(a.count), told = 5 * static_cast<int>(lost.size());
-    std::vector<int> scores = {told - all};
+    kept_ends_.count_common(gained, in_gained.data());
+    kept_ends_.count_common(lost, in_lost.data());
+    const int of_none = static_cast<int>(lost.size()), ends = static_cast<int>(a.count);
+    std::vector<int> scores = {likeness(of_none, ends)};  // the row without ones has lost all of them
     for (std::uint32_t r = 0; r < rows_.plan.kept; ++r)
-      scores.push_back(told + 5 * (right[r] - wrong[r]) -
-                       (all + static_cast<int>(rows_.row(r).count) - 2 * common[r]));
+      scores.push_back(likeness(of_none - in_lost[r] + in_gained[r],
+                                ends + static_cast<int>(rows_.row(r).count) - 2 * common[r]));
     return scores;
   }
 
@@ -235,10 +240,10 @@ void code_all(Coder& coder, const CodedRows& rows, const CommonRuns& runs) {
   }
 }
 
-std::uint64_t units_with(const CodedRows& rows, const CommonRuns& runs, const RowWeights& weights) {
+// Bits of listing the runs.
+std::uint64_t units_of_list(const CommonRuns& runs, std::uint32_t columns, const RowWeights& weights) {
   BitCounter counter(weights);
-  code_common_runs(counter, rows.ends.columns(), runs);
-  code_all(counter, rows, runs);
+  code_common_runs(counter, columns, runs);
   return counter.units();
 }
 
@@ -291,7 +296,12 @@ CommonRuns common_runs(const CodedRows& rows, const RowWeights& weights) {
     }
     std::erase_if(entries, [&](const Entry& entry) { return entry.saved < listed; });
   }
-  return units_with(rows, runs, weights) < units_with(rows, {}, weights) ? runs : CommonRuns();
+  const std::uint32_t columns = rows.ends.columns();
+  BitCounter with(weights);
+  code_all(with, rows, runs);
+  const bool saves = units_of_list(runs, columns, weights) + with.units() <
+                     units_of_list({}, columns, weights) + found.units();
+  return saves ? runs : CommonRuns();
 }
 
 }  // namespace
