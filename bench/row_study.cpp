@@ -61,7 +61,8 @@ Spent spent_at(std::uint32_t place) {
   if (place < common_run) return Spent::part;
   if (place < octaves) return Spent::common_runs;
   if (place < raw_row) {
-    const std::uint32_t number = place < halves ? (place - octaves) / 192 : (place - halves) / 16;
+    const std::uint32_t number = place < halves ? (place - octaves) / (number_sizes * number_octaves)
+                                                : (place - halves) / number_octaves;
     if (number >= static_cast<std::uint32_t>(NumberKind::runs)) return Spent::common_runs;
     if (number <= static_cast<std::uint32_t>(NumberKind::run)) return Spent::where;
     return number == static_cast<std::uint32_t>(NumberKind::changes) ? Spent::how_many : Spent::references;
@@ -86,7 +87,6 @@ class SpentCounter {
     count(last_ == Spent::part ? Spent::where : last_);
     return value;
   }
-  std::uint32_t aim(std::uint32_t, std::uint32_t value) { return value; }
   void take(std::uint32_t count, std::uint32_t first, std::uint32_t octave) {
     counter_.take(count, first, octave);
     this->count(last_);

@@ -66,7 +66,6 @@ class DecisionList {
     return bit;
   }
   std::uint32_t even(std::uint32_t, std::uint32_t value) { return value; }
-  std::uint32_t aim(std::uint32_t, std::uint32_t value) { return value; }
   void take(std::uint32_t, std::uint32_t, std::uint32_t) {}
   const std::vector<Decision>& decisions() const { return decisions_; }
 
@@ -143,10 +142,10 @@ void fill_untrained(std::vector<float>& weights, const std::vector<std::vector<D
       for (unsigned j = 0; j < decision.count; ++j) seen[decision.places[j]] = true;
     }
   }
-  for (std::uint32_t kind = 0; kind < 15; ++kind) {
-    for (std::uint32_t top = 1; top < 12; ++top) {
+  for (std::uint32_t kind = 0; kind < number_kinds; ++kind) {
+    for (std::uint32_t top = 1; top < number_sizes; ++top) {
       for (std::uint32_t octave = 0; octave < 16; ++octave) {
-        const std::uint32_t place = octaves + kind * 192 + top * 16 + octave;
+        const std::uint32_t place = octaves + (kind * number_sizes + top) * number_octaves + octave;
         if (seen[place]) continue;
         weights[place] = octave < top - 1 ? weights[place - 16] : octave > 0 ? weights[place - 1] : 0;
         seen[place] = seen[place - 16];

@@ -43,7 +43,6 @@ class Writer {
     coder_.put_even(count, value);
     return value;
   }
-  std::uint32_t aim(std::uint32_t, std::uint32_t value) { return value; }
   void take(std::uint32_t count, std::uint32_t first, std::uint32_t octave) {
     coder_.put_span(count, first, 1u << octave);
   }
@@ -63,7 +62,7 @@ class Reader {
     return coder_.bit(chance_of_sum[static_cast<std::size_t>(512 + (row_weights[places] + ...))]);
   }
   std::uint32_t even(std::uint32_t count, std::uint32_t) { return coder_.even(count); }
-  std::uint32_t aim(std::uint32_t count, std::uint32_t) { return coder_.aim(count); }
+  std::uint32_t aim(std::uint32_t count) { return coder_.aim(count); }
   void take(std::uint32_t, std::uint32_t first, std::uint32_t octave) { coder_.take(first, 1u << octave); }
   void finish() const { coder_.finish(); }
 
@@ -294,9 +293,9 @@ class ModelledRows final : public RowSource {
       const DecodedRow& row_a = at(stack, a);
       const std::uint32_t way = std::min(frame.way + frame.done, ModelledRowFormat::longest_way);
       const auto find = [&](std::uint32_t second) { return second_of(stack, row_a, way, second); };
-      const Stands stands = frame.done == 0 ? Stands::first : Stands::in_group;
       stack.rows.push_back(
-          {get_row(frame.reader, row_a.ends, stands, kept_count_, way, find, stack.memory), a});
+          {get_row(frame.reader, row_a.ends, stands_at(frame.done), kept_count_, way, find, stack.memory),
+           a});
       if (++frame.done == group.size) frame.reader.finish();
     }
   } catch (const FormatError&) {

@@ -58,7 +58,6 @@ class BitCounter {
     units_ += of_even(count);
     return value;
   }
-  std::uint32_t aim(std::uint32_t, std::uint32_t value) { return value; }
   void take(std::uint32_t count, std::uint32_t, std::uint32_t octave) {
     units_ += of_even(count) - octave * bit_unit;
   }

@@ -20,6 +20,9 @@ struct Ends {
   std::uint32_t count = 0;
 };
 
+/// Numbers have weights by their kind, by the octave of the largest possible, and by an octave.
+inline constexpr std::uint32_t number_kinds = 15, number_sizes = 12, number_octaves = 16;
+
 /// Where each table of weights begins in row_weights. The contexts of a decision are one place in each of its tables;
 /// the sum of the weights there gives its probability.
 enum RowTable : std::uint32_t {
@@ -32,10 +35,10 @@ enum RowTable : std::uint32_t {
   suffix_shape = prefix_shape + 256,
   single_room = suffix_shape + 128,
   more_room = single_room + 8,
-  common_run = more_room + 8,   // how many common runs fit; the room
-  octaves = common_run + 80,    // of a number: kind, octave of the largest possible, octave
-  halves = octaves + 15 * 192,  // kind, octave
-  raw_row = halves + 15 * 16,
+  common_run = more_room + 8,  // how many common runs fit; the room
+  octaves = common_run + 80,   // of a number: kind, octave of the largest possible, octave
+  halves = octaves + number_kinds * number_sizes * number_octaves,  // kind, octave
+  raw_row = halves + number_kinds * number_octaves,
   reference_back = raw_row + 1,  // how many rows of the group were passed
   reference_kept = reference_back + 16,
   group_kept = reference_kept + 1,
@@ -89,13 +92,15 @@ template <typename Coder>
   const auto of_kind = static_cast<std::uint32_t>(kind);
   const auto top = static_cast<std::uint32_t>(std::bit_width(most)) - 1;
   const auto mine = static_cast<std::uint32_t>(std::bit_width(value)) - 1;
-  const std::uint32_t table = octaves + of_kind * 192 + std::min(top, 11u) * 16;
+  const std::uint32_t table =
+      octaves + (of_kind * number_sizes + std::min(top, number_sizes - 1)) * number_octaves;
   std::uint32_t octave = 0;
-  while (octave < top && coder.decide(mine > octave, table + std::min(octave, 15u))) ++octave;
+  while (octave < top && coder.decide(mine > octave, table + std::min(octave, number_octaves - 1))) ++octave;
   if (octave == 0) return 1;
   const std::uint32_t low = 1u << octave, middle = low + low / 2, high = octave == top ? most : 2 * low - 1;
   if (high < middle) return low + coder.even(high - low + 1, value - low);
-  const bool upper = coder.decide(value >= middle, halves + of_kind * 16 + std::min(octave, 15u));
+  const bool upper =
+      coder.decide(value >= middle, halves + of_kind * number_octaves + std::min(octave, number_octaves - 1));
   const std::uint32_t from = upper ? middle : low, to = upper ? high : middle - 1;
   return from == to ? from : from + coder.even(to - from + 1, value - from);
 }
@@ -231,8 +236,7 @@ template <typename Coder, typename Out>
                        common_run +
                            std::min(static_cast<std::uint32_t>(std::bit_width(slots.count)), 9u) * 8 +
                            length_class(room))) {
-        common = runs.of_slot(slots.first +
-                              coder.aim(slots.count, reads ? 0 : runs.first_slot(common) - slots.first));
+        if constexpr (reads) common = runs.of_slot(slots.first + coder.aim(slots.count));
         const CommonRuns::Run& run = runs[common];
         coder.take(slots.count, runs.first_slot(common) - slots.first, run.octave);
         if constexpr (reads) {
