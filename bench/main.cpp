@@ -41,6 +41,7 @@ constexpr Entry entries[] = {
     {"Codecs", "speed", "Speed of every codec and order on one matrix", add_speed},
     {"Codecs", "train-rows", "Trains the probabilities of rows-small and rows-quick on many matrices",
      add_train_rows},
+    {"Walks", "cache-speed", "Speed of the cache of chunks: frames of a walk a second", add_cache_speed},
     {"Walks", "disk-walk", "Disk reads on a walk through levels, by the order of the faces on the disk",
      add_disk_walk},
     {"Walks", "walk-deltas",

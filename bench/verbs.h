@@ -4,6 +4,7 @@
 
 namespace vismat::bench {
 
+void add_cache_speed(const Verb& verb);
 void add_delimiter_speed(const Verb& verb);
 void add_disk_walk(const Verb& verb);
 void add_distance_statistics(const Verb& verb);
