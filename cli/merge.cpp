@@ -62,7 +62,7 @@ void merge(const MergeOptions& options) {
                      formatted(options.added ? ", %g added at most" : ", %g lost at most",
                                options.added ? *options.added : options.lost);
   if (options.max_per_cell < 1) data.provenance += formatted(", %g of any cell", options.max_per_cell);
-  if (options.method == "seeds") data.provenance += ", seed " + std::to_string(options.seed);
+  data.provenance += ", seed " + std::to_string(options.seed);
   write_matrix(options.out, data);
 
   if (groups.rows) line("view cells", grouped(groups.rows->groups()) + " of " + grouped(rows) + " are left");

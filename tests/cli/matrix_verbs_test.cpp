@@ -214,7 +214,10 @@ TEST_F(Program, MergesAndVerifies) {
   const Dataset before = ring_of_clusters(60);
   write("in.bsp.h5", before);
   for (const std::string side : {"cells", "objects", "both"}) {
-    const Finished run = vismat_succeeds("merge in.bsp.h5 --lost 0.05 -o merged.bsp.h5 --side " + side);
+    const Finished run =
+        vismat_succeeds("merge in.bsp.h5 --lost 0.05 --seed 7 -o merged.bsp.h5 --side " + side);
+    EXPECT_TRUE(
+        dataset("merged.bsp.h5").provenance.ends_with(side + " merged by pairs, 0.05 lost at most, seed 7"));
     vismat_succeeds("order merged.bsp.h5 --columns best --rows best -o ordered.bsp.h5");
     vismat_succeeds("encode ordered.bsp.h5 -o merged.vmat");
     vismat_succeeds("decode merged.vmat -o decoded.bsp.h5");
