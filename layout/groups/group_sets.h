@@ -25,6 +25,10 @@ class GroupSets {
   GroupSets(const VisibilityMatrix& rows, Form form);
 
   bool listed() const { return form_ == Form::lists; }
+  /// While there is no index, sets join in a fraction of the time; common() and moves need it. Only if listed().
+  void drop_index();
+  void make_index();
+  bool indexed() const { return indexed_; }
   std::uint32_t size(std::uint32_t group) const { return size_[group]; }
   /// How many columns only one of the two has, or some number above `limit` as soon as it is known to be above.
   std::uint32_t distance(std::uint32_t a, std::uint32_t b, std::uint32_t limit) const;
@@ -34,7 +38,7 @@ class GroupSets {
     return hamming_distance(bits, bits_.row(group), limit);
   }
   /// For each group, by its slot(), how many of the columns it has. `Count` holds the number of columns. Long counts are
-  /// shared by at most so many threads. Only if listed().
+  /// shared by at most so many threads. Only if indexed().
   template <typename Count>
   std::vector<Count> common(std::span<const std::uint32_t> columns, unsigned threads = 1) const {
     const std::size_t parts = std::clamp<std::size_t>(additions(columns) / least_of_thread, 1, threads);
@@ -102,6 +106,7 @@ class GroupSets {
   std::vector<std::uint32_t> slot_;
   std::uint32_t slots_ = 0, used_slots_ = 0;
   InvertedIndex index_;
+  bool indexed_ = false;
 };
 
 }  // namespace vismat

@@ -35,6 +35,8 @@ namespace {
 constexpr std::uint32_t most_found = 32;
 // A group with fewer candidates searches all others.
 constexpr std::uint32_t fewest_near = 8;
+// That takes as long as to read all sets; after so many times, as long as to keep an index of the sets from then on.
+constexpr std::uint32_t most_scans = 64;
 
 // For each group the distinct rows whose groups it looks at.
 struct NearLists {
@@ -62,11 +64,7 @@ void merge_pairs(RowGroups& groups, const GroupingOptions& options, NearLists* n
   const std::size_t numbers = alive.empty() ? 0 : *std::ranges::max_element(alive) + std::size_t{1};
   std::vector<std::uint32_t> age(numbers, 0);
   std::vector<std::vector<Found>> found(numbers);  // by group, the best last
-  const auto search = [&](std::uint32_t group, unsigned threads) {
-    std::vector<RowGroups::Pair> pairs;
-    if (near != nullptr) pairs = groups.best_among(group, near->of_group[group], most_found);
-    if (near == nullptr || pairs.size() < fewest_near)
-      pairs = groups.best_partners(group, groups.sparse() ? most_found : 1, threads);
+  const auto take = [&](std::uint32_t group, const std::vector<RowGroups::Pair>& pairs) {
     found[group].clear();
     for (const RowGroups::Pair& pair : pairs) found[group].push_back({pair, age[pair.partner]});
     std::ranges::reverse(found[group]);
@@ -74,7 +72,31 @@ void merge_pairs(RowGroups& groups, const GroupingOptions& options, NearLists* n
     near->of_group[group].clear();
     for (const RowGroups::Pair& pair : pairs) near->of_group[group].push_back(pair.partner);
   };
-  parallel_for(alive.size(), options.threads, [&](std::uint64_t i) { search(alive[i], 1); });
+  const auto search_all = [&](std::uint32_t group, unsigned threads) {
+    take(group, groups.best_partners(group, groups.sparse() ? most_found : 1, threads));
+  };
+  const auto search_near = [&](std::uint32_t group) {
+    take(group, groups.best_among(group, near->of_group[group], most_found));
+    return found[group].size() >= fewest_near;
+  };
+  std::uint32_t scans = 0;
+  const auto search = [&](std::uint32_t group) {
+    if (near != nullptr && search_near(group)) return;
+    if (!groups.indexed() && groups.sparse() && ++scans > most_scans) groups.make_index();
+    search_all(group, several);
+  };
+  std::vector<std::uint32_t> lonely;  // with too few near ones
+  if (near != nullptr) {
+    std::vector<char> enough(alive.size());
+    parallel_for(alive.size(), options.threads, [&](std::uint64_t i) { enough[i] = search_near(alive[i]); });
+    for (std::size_t i = 0; i < alive.size(); ++i) {
+      if (!enough[i]) lonely.push_back(alive[i]);
+    }
+    if (lonely.size() > most_scans) groups.make_index();
+  } else {
+    lonely = alive;
+  }
+  parallel_for(lonely.size(), options.threads, [&](std::uint64_t i) { search_all(lonely[i], 1); });
 
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   const auto push = [&](std::uint32_t group) {
@@ -93,7 +115,7 @@ void merge_pairs(RowGroups& groups, const GroupingOptions& options, NearLists* n
         groups.is_alive(top.partner) && age[top.partner] == found[top.group].back().partner_age;
     if (!fresh || groups.score(top.group, top.partner) != top.score) {  // columns may have no more room
       found[top.group].pop_back();
-      if (found[top.group].empty()) search(top.group, several);
+      if (found[top.group].empty()) search(top.group);
       push(top.group);
       continue;
     }
@@ -106,7 +128,7 @@ void merge_pairs(RowGroups& groups, const GroupingOptions& options, NearLists* n
                                   near->of_group[from].end());
       near->of_group[from] = {};
     }
-    search(into, several);
+    search(into);
     push(into);
     if (options.progress) options.progress(groups.lost(), options.lost);
   }
@@ -135,7 +157,9 @@ Partition group_rows_by_pairs(const VisibilityMatrix& matrix, const GroupingOpti
   if (groups.sparse() && groups.alive().size() > how.few_groups &&
       all_pairs_cost(groups.kinds()).by_index > 1e9 * how.exact_seconds) {
     NearLists near = near_rows(groups, options, how);
+    groups.drop_index();
     merge_pairs(groups, options, &near);
+    groups.make_index();
   }
   merge_pairs(groups, options);
   for (std::uint32_t round = 0; round < how.rounds && groups.exchange() > 0; ++round)

@@ -102,6 +102,8 @@ std::vector<RowGroups::Pair> RowGroups::best_partners(std::uint32_t group, std::
   Best best(most);
   if (!sets_.listed())
     search_by_size(group, best);
+  else if (!sets_.indexed())
+    search_among(group, alive_, best);
   else if (size_[group] <= most_in_16_bits)
     search_by_index<std::uint16_t>(group, best, threads);
   else
@@ -152,15 +154,19 @@ void RowGroups::search_by_index(std::uint32_t group, Best& best, unsigned thread
   for (const std::uint32_t other : alive_) look_at(group, other, common[sets_.slot(other)], best);
 }
 
+void RowGroups::search_among(std::uint32_t group, std::span<const std::uint32_t> others, Best& best) const {
+  const std::vector<std::uint32_t> common = sets_.common_with(group, others);
+  for (std::size_t i = 0; i < others.size(); ++i) look_at(group, others[i], common[i], best);
+}
+
 std::vector<RowGroups::Pair> RowGroups::best_among(std::uint32_t group, std::span<const std::uint32_t> kinds,
                                                    std::uint32_t most) const {
   std::vector<std::uint32_t> others;
   for (const std::uint32_t kind : kinds) others.push_back(group_of_kind_[kind]);
   std::ranges::sort(others);
   others.erase(std::unique(others.begin(), others.end()), others.end());
-  const std::vector<std::uint32_t> common = sets_.common_with(group, others);
   Best best(most);
-  for (std::size_t i = 0; i < others.size(); ++i) look_at(group, others[i], common[i], best);
+  search_among(group, others, best);
   return best.take();
 }
 

@@ -34,6 +34,11 @@ class RowGroups {
   std::span<const std::uint32_t> alive() const { return alive_; }
   /// The sets are kept as lists.
   bool sparse() const { return sets_.listed(); }
+  /// While there is no index, merges take a fraction of the time, and best_partners looks at all sets. Only if sparse();
+  /// exchange() needs it.
+  void drop_index() { sets_.drop_index(); }
+  void make_index() { sets_.make_index(); }
+  bool indexed() const { return sets_.indexed(); }
   bool is_alive(std::uint32_t group) const { return place_[group] != none; }
   /// The occlusions that are lost so far.
   std::uint64_t lost() const { return lost_; }
@@ -70,6 +75,7 @@ class RowGroups {
   void look_at(std::uint32_t group, std::uint32_t other, std::uint64_t shared, Best& best) const;
   template <typename Count>
   void search_by_index(std::uint32_t group, Best& best, unsigned threads) const;
+  void search_among(std::uint32_t group, std::span<const std::uint32_t> others, Best& best) const;
   Pair best_home(std::uint32_t kind, std::uint64_t regained) const;
   template <typename DistanceTo>
   Pair best_home(std::uint32_t kind, std::uint64_t regained, const DistanceTo& distance_to) const;

@@ -17,6 +17,8 @@ class InvertedIndex {
   using IdsOf = std::function<std::span<const std::uint32_t>(std::uint32_t set)>;
   InvertedIndex() = default;
   InvertedIndex(std::uint32_t sets, std::uint32_t ids, const IdsOf& ids_of);
+  /// With room for id i in room[i] sets, which must be no fewer than have it.
+  InvertedIndex(std::uint32_t sets, std::span<const std::uint32_t> room, const IdsOf& ids_of);
 
   /// Ascending.
   std::span<const std::uint32_t> sets_with(std::uint32_t id) const {
@@ -31,12 +33,20 @@ class InvertedIndex {
   }
   /// The set, which has the id, has it no more. O(log sets), and a move of what follows in the list.
   void erase(std::uint32_t id, std::uint32_t set);
-  /// The set, which lacks the id, has it from now on. No id may be in more sets than at the beginning.
+  /// The set, which lacks the id, has it from now on. No id may be in more sets than it has room for: those that
+  /// have it at the beginning, or what the constructor was told.
   void insert(std::uint32_t id, std::uint32_t set);
-  /// Set s becomes new_of_old[s]; those that have ids must keep their order. O(ids of all sets).
+  /// The id goes from one set, which has it, to another, which lacks it. O(log sets), and a move of what lies between
+  /// the two in the list.
+  void give(std::uint32_t id, std::uint32_t from, std::uint32_t to);
+  static constexpr std::uint32_t no_set = 0xffffffff;
+  /// Set s becomes new_of_old[s], and loses its ids if that is no_set; the others must keep their order. O(ids of all
+  /// sets).
   void renumber(std::span<const std::uint32_t> new_of_old);
 
  private:
+  void fill(std::uint32_t sets, const IdsOf& ids_of);
+
   std::vector<std::uint64_t> first_;
   std::vector<std::uint32_t> count_, sets_;
 };
