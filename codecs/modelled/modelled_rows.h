@@ -18,8 +18,8 @@ struct RowLimits {
   bool names_second = true, names_runs = true;  // rows may name second references, and common runs
   const RowWeights* weights = &row_weights;     // only training has others
 };
-inline constexpr RowLimits small_limits{58, 40, 16, 255};
-inline constexpr RowLimits quick_limits{18.5, 12, 8, 255};
+inline constexpr RowLimits small_limits{55, 38, 16, 255};
+inline constexpr RowLimits quick_limits{17.3, 11.2, 8, 255};
 
 struct ModelledRowFormat {
   static constexpr std::uint32_t largest_group = 16;  // rows in a part
