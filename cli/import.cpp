@@ -57,8 +57,8 @@ void run_import(const ImportArguments& arguments) {
   write_matrix(arguments.output, dataset);
   if (!arguments.scene.empty()) write_faces(level, arguments);
   const Shape shape = dataset.matrix.shape();
-  std::printf("%s: %u %ss x %u %ss, %.1f %% visible", arguments.output.c_str(), shape.rows,
-              dataset.rows_are.c_str(), shape.columns, dataset.columns_are.c_str(),
+  std::printf("%s: %u %s x %u %s, %.1f %% visible", arguments.output.c_str(), shape.rows,
+              plural_of(dataset.rows_are).c_str(), shape.columns, plural_of(dataset.columns_are).c_str(),
               dataset.matrix.density() * 100);
   if (dataset.source.tree) std::printf(", a tree of %u nodes", dataset.source.tree->size());
   for (const std::string& note : level.notes) std::printf("; %s", note.c_str());

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <span>
 #include <sstream>
 #include <string>
@@ -70,7 +71,16 @@ void print_source_map(const SourceMap& source) {
   for (std::size_t i = 0; i < std::min<std::size_t>(source.column_names.size(), most_names); ++i) {
     line("", "source column " + std::to_string(i) + ": " + source.column_names[i]);
   }
-  if (!source.column_levels.empty()) line("columns are", "levels of detail of objects");
+  if (!source.column_levels.empty()) {
+    std::set<std::uint32_t> objects;
+    std::uint32_t coarsest = 0;
+    for (const auto& [object, level] : source.column_levels) {
+      objects.insert(object);
+      coarsest = std::max(coarsest, level);
+    }
+    line("columns are", "levels of detail of " + grouped(objects.size()) + " objects, the coarsest level " +
+                            std::to_string(coarsest));
+  }
   if (source.row_tree) print_tree("tree over rows", *source.row_tree);
   if (!source.tree) return line("tree", "none");
   print_tree("tree", *source.tree);

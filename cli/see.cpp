@@ -9,7 +9,6 @@
 #include "cli/cells_options.h"
 #include "cli/summary.h"
 #include "cli/verbs.h"
-#include "matrix/base/checksum.h"
 #include "matrix/files/dataset_file.h"
 #include "programs/jobs.h"
 #include "programs/options.h"
@@ -18,6 +17,7 @@
 #include "visibility/meshes/any_scene.h"
 #include "visibility/producers/bounds.h"
 #include "visibility/producers/producers.h"
+#include "visibility/producers/see_levels.h"
 #include "visibility/rays/sampled.h"
 
 namespace vismat::cli {
@@ -27,12 +27,24 @@ struct SeeArguments {
   std::string scene, output, seen, producer = "sandwich";
   CellsWords cells;
   ProducerOptions options;
-  bool nodes = false, objects = false;
+  bool nodes = false, objects = false, levels = false;
+  Screen screen;
 };
 
 /// Throws std::invalid_argument if the producer has no use for an option that is given.
 void check_options(const SeeArguments& arguments, const Producer& producer) {
   check_taken(producer, arguments.options);
+  if (arguments.levels) {
+    pixels_per_radian(arguments.screen);  // throws
+    if (producer.see_levels == nullptr) {
+      std::string able;
+      for (const Producer& other : producers()) {
+        if (other.see_levels != nullptr) able += (able.empty() ? "" : ", ") + std::string(other.name);
+      }
+      throw std::invalid_argument("--levels: the producer " + std::string(producer.name) +
+                                  " cannot; these can: " + able);
+    }
+  }
   if (arguments.seen.empty() || producer.seen_too) return;
   const std::string name(producer.name);
   if (producer.guarantee == Guarantee::aggressive) {
@@ -62,31 +74,59 @@ Stages show_stages(const JobRunner& runner) {
   return [](const char* stage) { return show_progress(stage); };
 }
 
-/// For the octree: the number of triangles that are drawn from each cell, at levels of detail, of the objects that one
-/// shadow view does not hide.
-VisibleTriangles count_triangles(const Scene& scene, JobRunner& runner) {
-  return [&, level = 0, lods = std::shared_ptr<LevelsOfDetail>()](const ViewCells& cells) mutable {
-    if (!lods) {
-      lods = std::make_shared<LevelsOfDetail>(
-          scene, Screen{}, 0u, runner.leads() ? show_progress("simplifying objects") : Progress{});
+/// The levels of detail of a scene, which are made when they are first asked for.
+class Levels {
+ public:
+  Levels(const Scene& scene, const Screen& screen, unsigned threads, const JobRunner& runner)
+      : scene_(scene), screen_(screen), threads_(threads), leads_(runner.leads()) {}
+  const LevelsOfDetail& operator()() {
+    if (!levels_) {
+      levels_.emplace(scene_, screen_, threads_, leads_ ? show_progress("simplifying objects") : Progress{});
     }
+    return *levels_;
+  }
+
+ private:
+  const Scene& scene_;
+  Screen screen_;
+  unsigned threads_;
+  bool leads_;
+  std::optional<LevelsOfDetail> levels_;
+};
+
+/// For the octree: the number of triangles that are drawn from each cell, at levels of detail, of what one shadow view
+/// does not hide: of the scene, or, with --levels, of the scene at the cell's levels. Keeps references.
+VisibleTriangles count_triangles(const Scene& scene, Levels& levels, bool see_at_levels, JobRunner& runner) {
+  return [&, see_at_levels, level = 0](const ViewCells& cells) mutable {
     Prefixed on_level(runner, "octree " + std::to_string(level++) + ", ");
-    const Sight sight = see_bounds(scene, cells, effort(0), on_level, show_stages(runner));
     std::vector<std::uint64_t> triangles(cells.count());
+    if (see_at_levels) {
+      const LevelSight seen = see_levels(scene, levels(), cells, effort(0), on_level, show_stages(runner));
+      for (std::uint32_t cell = 0; cell < cells.count(); ++cell) {
+        for (const std::uint32_t column : seen.sight.not_hidden.row(cell)) {
+          const auto [object, at] = seen.columns[column];
+          triangles[cell] += levels().facing_triangles(cells.boxes[cell], object, at);
+        }
+      }
+      return triangles;
+    }
+    const LevelsOfDetail& drawn = levels();
+    const Sight sight = see_bounds(scene, cells, effort(0), on_level, show_stages(runner));
     for (std::uint32_t cell = 0; cell < cells.count(); ++cell) {
-      triangles[cell] = lods->visible_triangles(cells.boxes[cell], sight.not_hidden.row(cell));
+      triangles[cell] = drawn.visible_triangles(cells.boxes[cell], sight.not_hidden.row(cell));
     }
     return triangles;
   };
 }
 
-std::uint32_t checksum_of(const SceneFile& file) {
-  const Scene& scene = file.scene;
-  std::vector<std::uint32_t> parts;
-  const auto add = [&](const auto& values) { parts.push_back(crc32(std::as_bytes(std::span(values)))); };
-  add(scene.vertices), add(scene.indices), add(scene.object_of_triangle), add(scene.see_through);
-  add(file.cells.corners), add(file.cells.boxes), add(std::array{file.cells.eye_low, file.cells.eye_high});
-  return crc32(std::as_bytes(std::span(parts)));
+/// The name of each column, if the scene's objects have names.
+std::vector<std::string> names_of(std::span<const ObjectLevel> columns,
+                                  std::span<const std::string> objects) {
+  std::vector<std::string> names;
+  if (objects.empty()) return names;
+  for (const auto& [object, level] : columns)
+    names.push_back(objects[object] + ", level " + std::to_string(level));
+  return names;
 }
 
 struct Output {
@@ -109,16 +149,17 @@ struct Output {
     if (dataset.source.tree && !arguments.objects) dataset = over_nodes(dataset);
     write_dataset(path, dataset);
     const Shape shape = dataset.matrix.shape();
-    std::printf("%s: %s view cells x %s %ss, %.2f %% visible, %s%s\n", path.c_str(),
-                grouped(shape.rows).c_str(), grouped(shape.columns).c_str(), dataset.columns_are.c_str(),
-                100 * dataset.matrix.density(), std::string(to_string(guarantee)).c_str(),
+    std::printf("%s: %s view cells x %s %s, %.2f %% visible, %s%s\n", path.c_str(),
+                grouped(shape.rows).c_str(), grouped(shape.columns).c_str(),
+                plural_of(dataset.columns_are).c_str(), 100 * dataset.matrix.density(),
+                std::string(to_string(guarantee)).c_str(),
                 opacity_unknown && guarantee != Guarantee::aggressive ? " if every surface is opaque" : "");
   }
 };
 
-/// One line for each state: how many objects of a cell are in it, on average and at most.
-void print_states(const Sight& sight, bool proves_seen) {
-  const Shape shape = sight.not_hidden.shape();
+/// One line for each state: how many of `objects` objects of a cell are in it, on average and at most.
+void print_states(const Sight& sight, std::uint32_t objects, bool proves_seen) {
+  const Shape shape{sight.not_hidden.shape().rows, objects};
   std::uint64_t most_seen = 0, most_undecided = 0, least_hidden = shape.columns;
   for (std::uint32_t cell = 0; cell < shape.rows; ++cell) {
     const std::uint64_t seen = proves_seen ? sight.seen.row(cell).size() : 0,
@@ -167,7 +208,9 @@ void run_see(const SeeArguments& arguments) {
   AnyScene read = read_any_scene(arguments.scene);
   SceneFile& file = read.file;
   const CellsChoice choice = parse_cells(arguments.cells, file.origin);
-  const std::string made = producer.describe(arguments.options), chosen = describe(choice);
+  const std::string made = arguments.levels ? producer.describe_levels(arguments.options, arguments.screen)
+                                            : producer.describe(arguments.options),
+                    chosen = describe(choice);
   if (arguments.nodes && !file.tree) {
     throw std::invalid_argument(arguments.scene + ": has no tree, so --nodes cannot be; use --objects");
   }
@@ -176,38 +219,54 @@ void run_see(const SeeArguments& arguments) {
   // Cells that are refused leave no journal; those of an octree are counted in pieces that it keeps.
   const bool counted = std::holds_alternative<OctreeCellsOptions>(choice);
   if (counted) journal = keep_journal(*runner, arguments.output, work);
-  ChosenCells cells = choose_cells(file.scene, file.cells, choice, count_triangles(file.scene, *runner));
+  Levels levels(file.scene, arguments.levels ? arguments.screen : Screen{}, arguments.options.threads,
+                *runner);
+  ChosenCells cells = choose_cells(file.scene, file.cells, choice,
+                                   count_triangles(file.scene, levels, arguments.levels, *runner));
   if (!counted) journal = keep_journal(*runner, arguments.output, work);
   file.cells = std::move(cells.cells);
   if (runner->leads()) std::fputs(cells.table.c_str(), stdout);
 
   const auto see = [&] {
     try {
-      return producer.see(file.scene, file.cells, arguments.options, *runner, show_stages(*runner));
+      if (arguments.levels) {
+        return producer.see_levels(file.scene, levels(), file.cells, arguments.options, *runner,
+                                   show_stages(*runner));
+      }
+      return LevelSight{
+          {}, {}, producer.see(file.scene, file.cells, arguments.options, *runner, show_stages(*runner))};
     } catch (const std::invalid_argument&) {  // an option that the first piece of work refuses
       if (journal && journal->empty()) journal->remove();
       throw;
     }
   };
-  const Sight sight = see();
+  LevelSight at_levels = see();
   if (!runner->leads()) return;
+  const Sight& sight = at_levels.sight;
   Output output{{}, arguments};
   output.all.provenance = made + "; of " +
                           (std::holds_alternative<std::monostate>(choice) ? "" : chosen + "; ") +
                           file.provenance;
   output.all.seed = arguments.options.seed.value_or(1);
   output.all.row_bounds = cell_bounds(file.cells);
-  output.all.column_bounds = object_bounds(file.scene);
   output.all.row_neighbours = file.cells.neighbours;
-  output.all.source.tree = std::move(file.tree);
-  output.all.source.column_names = file.scene.object_names;
+  if (arguments.levels) {
+    output.all.columns_are = "object at a level of detail";
+    output.all.column_bounds = std::move(at_levels.column_bounds);
+    output.all.source.column_names = names_of(at_levels.columns, file.scene.object_names);
+    output.all.source.column_levels = std::move(at_levels.columns);
+  } else {
+    output.all.column_bounds = object_bounds(file.scene);
+    output.all.source.tree = std::move(file.tree);
+    output.all.source.column_names = file.scene.object_names;
+  }
   output.opacity_unknown = file.opacity_unknown;
   output.write(arguments.output, producer.listed(sight), producer.guarantee, sight);
   if (!arguments.seen.empty()) output.write(arguments.seen, sight.seen, Guarantee::aggressive, sight);
   if (producer.guarantee == Guarantee::aggressive) {
     print_search(sight);
   } else {
-    print_states(sight, producer.seen_too);
+    print_states(sight, file.scene.object_count, producer.seen_too);
   }
   print_notes(read);
   journal->remove();
@@ -239,6 +298,13 @@ std::string ideas() {
   return text;
 }
 
+/// The options of the picture for which levels of detail are chosen.
+void add_screen(const Verb& verb, Screen& screen, const Option& levels) {
+  verb.option("--width", screen.width, "Width of the picture in pixels").needs(levels);
+  verb.option("--height", screen.height, "Height of the picture in pixels").needs(levels);
+  verb.option("--field-of-view", screen.field_of_view, "Horizontal field of view in degrees").needs(levels);
+}
+
 }  // namespace
 
 void add_see(Program& program) {
@@ -255,10 +321,18 @@ void add_see(Program& program) {
   const Option nodes =
       verb.flag("--nodes", a.nodes, "Each column is a node of the scene's tree (the default if it has one)");
   verb.flag("--objects", a.objects, "Each column is an object").excludes(nodes);
+  const Option levels =
+      verb.flag(
+              "--levels", a.levels,
+              "Each column is an object at a level of detail. Each view cell's levels are the coarsest that "
+              "deviate by less than a pixel, and it sees the scene at these levels (shadow, sandwich)")
+          .excludes(nodes);
+  add_screen(verb, a.screen, levels);
   verb.note(ideas() +
             "A run that was killed continues where it was; 'mpirun -n K vismat see ...' shares the work.");
   verb.example(
       "vismat see station.obj --cells grid:4 --eyes 1.5,1.8 -o station.bsp.h5 --seen station.seen.bsp.h5");
+  verb.example("vismat see city.scene.h5 --levels --width 1280 --height 1024 -o city.levels.bsp.h5");
   verb.runs([arguments] { run_see(*arguments); });
 }
 

@@ -25,6 +25,11 @@ std::string grouped(std::uint64_t number) {
   return digits;
 }
 
+std::string plural_of(std::string_view what) {
+  const std::size_t noun = std::min(what.find(" at "), what.size());
+  return std::string(what.substr(0, noun)) + "s" + std::string(what.substr(noun));
+}
+
 std::uint64_t see_through_objects(const Scene& scene) {
   return static_cast<std::uint64_t>(std::count(scene.see_through.begin(), scene.see_through.end(), 1));
 }

@@ -20,6 +20,9 @@ void line(const char* what, const std::string& value);
 /// The number with its digits in groups: "729 330".
 std::string grouped(std::uint64_t number);
 
+/// What rows or columns are, in the plural: "view cells", "objects at a level of detail".
+std::string plural_of(std::string_view what);
+
 template <typename... Values>
 std::string formatted(const char* format, Values... values) {
   std::array<char, 256> text;

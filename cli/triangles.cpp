@@ -27,6 +27,7 @@ struct TrianglesArguments {
 
 struct Counts {
   std::uint64_t objects = 0, full = 0, at_level = 0, facing = 0;
+  std::uint64_t too_coarse = 0;  // objects whose level deviates by a pixel or more
 };
 
 /// The counts as text: "mean 25 901, median 24 011, most 98 110".
@@ -43,15 +44,27 @@ std::string spread(const std::vector<Counts>& cells, std::uint64_t Counts::*what
 void run_triangles(const TrianglesArguments& arguments) {
   const AnyScene read = read_any_scene(arguments.scene);
   const SceneFile& file = read.file;
-  const Dataset dataset = read_matrix(arguments.matrix);
-  const Shape shape = dataset.matrix.shape(), right = {file.cells.count(), file.scene.object_count};
+  Dataset dataset = read_matrix(arguments.matrix);
+  // Which column is which object at which level is told in the source's numbers, unless columns are objects.
+  if (!dataset.source.column_levels.empty() && dataset.source.boundaries.empty())
+    dataset = in_source_numbers(std::move(dataset));
+  const std::vector<ObjectLevel>& columns = dataset.source.column_levels;
+  const Shape shape = dataset.matrix.shape(),
+              right = {file.cells.count(), columns.empty() ? file.scene.object_count : shape.columns};
   if (dataset.source.columns_are_nodes || !dataset.source.boundaries.empty() || shape != right) {
     throw std::invalid_argument(arguments.matrix + ": the matrix must be of the scene's " +
                                 std::to_string(right.rows) + " view cells x " +
-                                std::to_string(right.columns) + " objects");
+                                std::to_string(file.scene.object_count) +
+                                " objects, or x objects at levels of detail");
   }
   const LevelsOfDetail levels(file.scene, arguments.screen, arguments.threads,
                               show_progress("making levels of detail"));
+  for (const auto& [object, level] : columns) {
+    if (object >= levels.object_count() || level >= levels.levels(object).size()) {
+      throw std::invalid_argument(arguments.matrix + ": has level " + std::to_string(level) + " of object " +
+                                  std::to_string(object) + ", which the scene has not");
+    }
+  }
   const std::vector<Box> cells = cell_bounds(file.cells);
   std::vector<Counts> counts(shape.rows);
   parallel_for(
@@ -59,11 +72,15 @@ void run_triangles(const TrianglesArguments& arguments) {
       [&](std::uint64_t i) {
         const auto objects = dataset.matrix.row(static_cast<std::uint32_t>(i));
         counts[i].objects = objects.size();
-        for (const std::uint32_t object : objects) {
+        for (const std::uint32_t column : objects) {
+          const std::uint32_t object = columns.empty() ? column : columns[column].object,
+                              fine = levels.level_for(cells[i], object),
+                              level = columns.empty() ? fine : columns[column].level;
           counts[i].full += levels.levels(object)[0].triangles.size();
-          counts[i].at_level += levels.levels(object)[levels.level_for(cells[i], object)].triangles.size();
+          counts[i].at_level += levels.levels(object)[level].triangles.size();
+          counts[i].facing += levels.facing_triangles(cells[i], object, level);
+          counts[i].too_coarse += level > fine;
         }
-        counts[i].facing = levels.visible_triangles(cells[i], objects);
       },
       show_progress("counting"));
   if (!arguments.table.empty()) {
@@ -80,6 +97,9 @@ void run_triangles(const TrianglesArguments& arguments) {
   line("their triangles", spread(counts, &Counts::full));
   line("at their level of detail", spread(counts, &Counts::at_level));
   line("without back faces", spread(counts, &Counts::facing));
+  if (!columns.empty()) {
+    line("too coarse for the picture", spread(counts, &Counts::too_coarse) + " objects per cell");
+  }
   print_notes(read);
 }
 
@@ -91,7 +111,9 @@ void add_triangles(Program& program) {
       "triangles", "Count the triangles that are drawn from each view cell, with levels of detail");
   verb.input("SCENE", arguments->scene, "The scene file (.scene.h5)").required();
   verb.input("MATRIX", arguments->matrix,
-             "The matrix of its view cells and objects (made with 'vismat see --objects')")
+             "The matrix of its view cells and objects (made with 'vismat see --objects'), or objects at "
+             "levels of "
+             "detail (--levels)")
       .required();
   verb.option("--width", arguments->screen.width, "Width of the picture in pixels");
   verb.option("--height", arguments->screen.height, "Height of the picture in pixels");
@@ -102,7 +124,9 @@ void add_triangles(Program& program) {
   verb.note(
       "Each visible object is counted at the coarsest level of detail whose error stays below a pixel, seen "
       "from anywhere in the view cell. Groups of triangles that face away from the whole view cell are not "
-      "counted [Chhugani et al. 2005, sections 4 and 5].");
+      "counted [Chhugani et al. 2005, sections 4 and 5]. If the matrix says at which level it lists an "
+      "object, "
+      "that level is counted, whatever the picture is.");
   verb.example("vismat triangles dense8.scene.h5 dense8.bsp.h5 --width 1280 --height 1024");
   verb.runs([arguments] { run_triangles(*arguments); });
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "matrix/base/byte_reader.h"
+#include "matrix/base/checksum.h"
 #include "matrix/files/hdf5_file.h"
 #include "matrix/files/hdf5_names.h"
 
@@ -247,6 +248,15 @@ void write_scene(const std::filesystem::path& path, const SceneFile& contents) {
       write_ids("/tree/object_of_node", contents.tree->object_of_node());
     }
   });
+}
+
+std::uint32_t checksum_of(const SceneFile& file) {
+  const Scene& scene = file.scene;
+  std::vector<std::uint32_t> parts;
+  const auto add = [&](const auto& values) { parts.push_back(crc32(std::as_bytes(std::span(values)))); };
+  add(scene.vertices), add(scene.indices), add(scene.object_of_triangle), add(scene.see_through);
+  add(file.cells.corners), add(file.cells.boxes), add(std::array{file.cells.eye_low, file.cells.eye_high});
+  return crc32(std::as_bytes(std::span(parts)));
 }
 
 }  // namespace vismat

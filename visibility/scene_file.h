@@ -28,5 +28,7 @@ struct SceneFile {
 /// Throws FormatError naming the file, the array and the bad value.
 SceneFile read_scene(const std::filesystem::path& path);
 void write_scene(const std::filesystem::path& path, const SceneFile& file);
+/// A checksum of triangles, objects and view cells, by which files made of a scene know it. O(triangles).
+std::uint32_t checksum_of(const SceneFile& file);
 
 }  // namespace vismat

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "matrix/box.h"
+#include "matrix/source_map.h"
 #include "matrix/visibility_matrix.h"
 
 namespace vismat {
@@ -36,6 +38,13 @@ struct Sight {
   std::optional<std::uint64_t> last_found;  // entries of `seen` that the last of several passes added
   std::optional<HeldBack> held_back;        // over all cells
   bool operator==(const Sight&) const = default;
+};
+
+/// The same where columns are pairs of an object and one of its levels of detail: those that some cell lists.
+struct LevelSight {
+  std::vector<ObjectLevel> columns;  // ascending by object, then by level
+  std::vector<Box> column_bounds;    // of the object at that level
+  Sight sight;                       // matrices of cells x columns
 };
 
 }  // namespace vismat

@@ -311,6 +311,9 @@ LevelsOfDetail::~LevelsOfDetail() = default;
 LevelsOfDetail::LevelsOfDetail(LevelsOfDetail&&) noexcept = default;
 LevelsOfDetail& LevelsOfDetail::operator=(LevelsOfDetail&&) noexcept = default;
 
+std::uint32_t LevelsOfDetail::object_count() const {
+  return static_cast<std::uint32_t>(objects_.size());
+}
 const Mesh& LevelsOfDetail::mesh(std::uint32_t object) const {
   return objects_.at(object).mesh;
 }
@@ -325,18 +328,28 @@ std::uint32_t LevelsOfDetail::level_for(const Box& cell, std::uint32_t object) c
   return level;
 }
 
+std::vector<std::uint32_t> LevelsOfDetail::levels_for(const Box& cell) const {
+  std::vector<std::uint32_t> levels(objects_.size());
+  for (std::uint32_t object = 0; object < levels.size(); ++object) levels[object] = level_for(cell, object);
+  return levels;
+}
+
+std::uint64_t LevelsOfDetail::facing_triangles(const Box& cell, std::uint32_t object,
+                                               std::uint32_t level) const {
+  const Object& o = objects_.at(object);
+  bool apart = false;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    apart = apart || cell.low[axis] > o.bounds.high[axis] || cell.high[axis] < o.bounds.low[axis];
+  }
+  return apart && !o.back_faces.empty() ? o.back_faces.at(level).facing(cell)
+                                        : o.levels.at(level).triangles.size();
+}
+
 std::uint64_t LevelsOfDetail::visible_triangles(const Box& cell,
                                                 std::span<const std::uint32_t> objects) const {
   std::uint64_t triangles = 0;
   for (const std::uint32_t object : objects) {
-    const Object& o = objects_.at(object);
-    const std::uint32_t level = level_for(cell, object);
-    bool apart = false;
-    for (unsigned axis = 0; axis < 3; ++axis) {
-      apart = apart || cell.low[axis] > o.bounds.high[axis] || cell.high[axis] < o.bounds.low[axis];
-    }
-    triangles +=
-        apart && !o.back_faces.empty() ? o.back_faces[level].facing(cell) : o.levels[level].triangles.size();
+    triangles += facing_triangles(cell, object, level_for(cell, object));
   }
   return triangles;
 }

@@ -51,13 +51,18 @@ class LevelsOfDetail {
   LevelsOfDetail(LevelsOfDetail&&) noexcept;
   LevelsOfDetail& operator=(LevelsOfDetail&&) noexcept;
 
+  std::uint32_t object_count() const;
   const Mesh& mesh(std::uint32_t object) const;
   std::span<const LevelOfDetail> levels(std::uint32_t object) const;
   /// The coarsest level that deviates by less than a pixel, seen from anywhere in the cell [Chhugani et al. 2005,
   /// section 4]; 0 if the cell touches the object's box.
   std::uint32_t level_for(const Box& cell, std::uint32_t object) const;
-  /// How many triangles are drawn from the cell: for each of the objects the triangles of its level; if the object is
-  /// closed and the cell does not touch its box, without those that face away from the whole cell.
+  /// level_for() of every object.
+  std::vector<std::uint32_t> levels_for(const Box& cell) const;
+  /// How many of the object's triangles at that level may face some point of the cell. All count if the object is not
+  /// closed, or the cell touches its box; of a closed object that has triangles there is always one [docs/visibility.md].
+  std::uint64_t facing_triangles(const Box& cell, std::uint32_t object, std::uint32_t level) const;
+  /// How many triangles are drawn from the cell: for each of the objects the facing_triangles() of its level.
   std::uint64_t visible_triangles(const Box& cell, std::span<const std::uint32_t> objects) const;
 
  private:

@@ -67,6 +67,8 @@ Audit audit(const Dataset& dataset, const Scene& scene, const ViewCells& cells, 
   const Shape shape = dataset.matrix.shape();
   if (dataset.source.columns_are_nodes)
     throw std::invalid_argument("its columns are nodes; only objects can be checked");
+  if (!dataset.source.column_levels.empty())
+    throw std::invalid_argument("its columns are levels of detail; only whole objects can be checked");
   if (shape != Shape{cells.count(), scene.object_count}) {
     throw std::invalid_argument("has " + std::to_string(shape.rows) + " x " + std::to_string(shape.columns) +
                                 " entries, but the scene " + std::to_string(cells.count()) +

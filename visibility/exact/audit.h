@@ -34,7 +34,7 @@ struct Audit {
 /// exact matrix claims that the other entries are hidden; what hides them is sought anew with small patches of the
 /// cell, and so with more effort than the matrix took. An entry that is not confirmed may still be right: of the
 /// original proofs only sight lines are stored. Throws std::invalid_argument for a matrix without guarantee, over
-/// nodes, or of another size than cells x objects.
+/// nodes or levels of detail, or of another size than cells x objects.
 Audit audit(const Dataset& dataset, const Scene& scene, const ViewCells& cells,
             const AuditOptions& options = {}, const Progress& progress = {});
 

@@ -142,6 +142,33 @@ BoundsOptions bounds_options(const ProducerOptions& options, bool with_rays) {
   return bounds;
 }
 
+Decided decide_by_patches(Shadows::View& view, const AimedRays* rays, const BoundsOptions& options,
+                          const Convex& cell, std::uint32_t number, std::span<const std::uint32_t> around,
+                          std::span<const std::uint32_t> candidates) {
+  const CellPoints whole(cell);
+  Decided decided;
+  Random random(rays ? options.sampled->seed : 0, number);
+  Shadows::View::Look look;
+  if (rays && options.patch_rays > 0) {
+    look = [&](const Patch& patch, std::span<const std::uint32_t> targets) {
+      const CellPoints points(convex_plate(patch.corners, patch.beyond->normal));
+      AimedRays::Seen now = rays->from(points, targets, options.patch_rays, Random(random.next()));
+      decided.rays += now.rays;
+      Objects found;
+      for (const SeenObject& object : now.objects) {
+        if (!whole.contains(object.line.from)) continue;  // a sloping patch's point, off by its rounding
+        found.push_back(object.object);
+        decided.seen.push_back(object);
+      }
+      return found;
+    };
+  }
+  decided.undecided = view.refined(cell, around, candidates, look);
+  std::sort(decided.seen.begin(), decided.seen.end(),
+            [](const SeenObject& a, const SeenObject& b) { return a.object < b.object; });
+  return decided;
+}
+
 Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions& options, JobRunner& runner,
                  const Stages& stages) {
   const Shadows shadows(scene, occluders_for(scene, cells, options.occluders));
@@ -177,33 +204,11 @@ Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells&
   const auto pieces = for_cells(
       "patches", shadows, cells, options.shadow, runner, begin_stage(stages, "deciding the rest"),
       [&](std::uint32_t cell, Shadows::View& view, JobRunner::Piece& piece) {
-        const Convex convex = convex_of(cells, cell);
-        const CellPoints whole(convex);
-        std::vector<SeenObject> seen;
-        std::uint64_t cast = 0;
-        Random random(rays ? options.sampled->seed : 0, cell);
-        Shadows::View::Look look;
-        if (rays && options.patch_rays > 0) {
-          look = [&](const Patch& patch, std::span<const std::uint32_t> targets) {
-            const CellPoints points(convex_plate(patch.corners, patch.beyond->normal));
-            AimedRays::Seen now = rays->from(points, targets, options.patch_rays, Random(random.next()));
-            cast += now.rays;
-            Objects found;
-            for (const SeenObject& object : now.objects) {
-              if (!whole.contains(object.line.from))
-                continue;  // a sloping patch's point, off by its rounding
-              found.push_back(object.object);
-              seen.push_back(object);
-            }
-            return found;
-          };
-        }
-        put<std::uint32_t>(
-            piece, view.refined(convex, around[cell], without(around[cell], sight.seen.row(cell)), look));
-        std::sort(seen.begin(), seen.end(),
-                  [](const SeenObject& a, const SeenObject& b) { return a.object < b.object; });
-        put<SeenObject>(piece, seen);
-        put<std::uint64_t>(piece, std::span(&cast, 1));
+        const Decided decided = decide_by_patches(view, rays, options, convex_of(cells, cell), cell,
+                                                  around[cell], without(around[cell], sight.seen.row(cell)));
+        put<std::uint32_t>(piece, decided.undecided);
+        put<SeenObject>(piece, decided.seen);
+        put<std::uint64_t>(piece, std::span(&decided.rays, 1));
       });
   std::vector<Objects> undecided;
   std::vector<std::vector<SeenObject>> seen;

@@ -2,7 +2,9 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "visibility/jobs/job_runner.h"
 #include "visibility/producers/producers.h"
@@ -38,6 +40,17 @@ Sight see_bounds(const Scene& scene, const ViewCells& cells, const BoundsOptions
 /// be null without options.sampled.
 Sight see_bounds(const Shadows& shadows, const AimedRays* rays, const ViewCells& cells,
                  const BoundsOptions& options, JobRunner& runner, const Stages& stages = {});
+
+/// What looking from patches of a cell's surface decides about `candidates`, which the shadows of the whole cell leave,
+/// as part of `around`. Without `rays` no object is proven seen. `number` is the cell's, for its own random numbers.
+struct Decided {
+  std::vector<std::uint32_t> undecided;  // ascending, as are the objects that are seen
+  std::vector<SeenObject> seen;
+  std::uint64_t rays = 0;
+};
+Decided decide_by_patches(Shadows::View& view, const AimedRays* rays, const BoundsOptions& options,
+                          const Convex& cell, std::uint32_t number, std::span<const std::uint32_t> around,
+                          std::span<const std::uint32_t> candidates);
 
 /// The options in one line that names every parameter.
 std::string describe(const BoundsOptions& options);

@@ -18,6 +18,9 @@
 
 namespace vismat {
 
+class LevelsOfDetail;
+struct Screen;
+
 /// The options of all producers; producer_options() says what each means. An empty option means the producer's default.
 struct ProducerOptions {
   std::optional<std::uint32_t> effort, points, patches, resolution, patch_resolution;
@@ -59,6 +62,12 @@ struct Producer {
   /// a kind that it cannot handle.
   Sight (*see)(const Scene& scene, const ViewCells& cells, const ProducerOptions& options, JobRunner& runner,
                const Stages& stages) = nullptr;
+
+  /// The same over the scene at the levels of detail that each cell allows, as see_levels() does it, and its line for
+  /// levels that are made for this screen. Null if the producer cannot.
+  LevelSight (*see_levels)(const Scene& scene, const LevelsOfDetail& levels, const ViewCells& cells,
+                           const ProducerOptions& options, JobRunner& runner, const Stages& stages) = nullptr;
+  std::string (*describe_levels)(const ProducerOptions& options, const Screen& screen) = nullptr;
 
   bool takes(const ProducerSetting& setting) const {
     return std::ranges::find(options, setting) != options.end();

@@ -1,6 +1,7 @@
 // The producer "sandwich": shadows, rays at what they leave, and then patches and rays for the undecided alone.
 #include "visibility/producers/bounds.h"
 #include "visibility/producers/producers.h"
+#include "visibility/producers/see_levels.h"
 
 namespace vismat {
 
@@ -17,6 +18,13 @@ Producer sandwich_producer() {
   producer.see = [](const Scene& scene, const ViewCells& cells, const O& options, JobRunner& runner,
                     const Stages& stages) {
     return see_bounds(scene, cells, bounds_options(options, true), runner, stages);
+  };
+  producer.see_levels = [](const Scene& scene, const LevelsOfDetail& levels, const ViewCells& cells,
+                           const O& options, JobRunner& runner, const Stages& stages) {
+    return see_levels(scene, levels, cells, bounds_options(options, true), runner, stages);
+  };
+  producer.describe_levels = [](const O& options, const Screen& screen) {
+    return describe_levels(bounds_options(options, true), screen);
   };
   return producer;
 }

@@ -1,6 +1,7 @@
 // The producer "shadow": hidden is what lies in an occluder's shadow, from the whole cell or from every patch of its surface.
 #include "visibility/producers/bounds.h"
 #include "visibility/producers/producers.h"
+#include "visibility/producers/see_levels.h"
 
 namespace vismat {
 
@@ -15,6 +16,13 @@ Producer shadow_producer() {
   producer.see = [](const Scene& scene, const ViewCells& cells, const O& options, JobRunner& runner,
                     const Stages& stages) {
     return see_bounds(scene, cells, bounds_options(options, false), runner, stages);
+  };
+  producer.see_levels = [](const Scene& scene, const LevelsOfDetail& levels, const ViewCells& cells,
+                           const O& options, JobRunner& runner, const Stages& stages) {
+    return see_levels(scene, levels, cells, bounds_options(options, false), runner, stages);
+  };
+  producer.describe_levels = [](const O& options, const Screen& screen) {
+    return describe_levels(bounds_options(options, false), screen);
   };
   return producer;
 }

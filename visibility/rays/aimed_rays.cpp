@@ -15,6 +15,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "matrix/base/z_order.h"
 #include "visibility/rays/seen_along.h"
@@ -62,12 +63,11 @@ float any_order(unsigned orders, Random& random) {
 
 }  // namespace
 
-AimedRays::AimedRays(const Scene& scene, const RayCaster& caster)
-    : scene_(scene), caster_(caster), bounds_(object_bounds(scene)), triangles_(scene) {
+AimedRays::Aims::Aims(const Scene& scene) : bounds(object_bounds(scene)), triangles(scene) {
   std::vector<double> area_up_to;
   for (std::uint32_t object = 0; object < scene.object_count; ++object) {
-    first_patch_.push_back(patches_.size()), first_extreme_.push_back(extremes_.size());
-    const std::span own = triangles_.of(object);
+    first_patch.push_back(patches.size()), first_extreme.push_back(extremes.size());
+    const std::span own = triangles.of(object);
     struct Farthest {
       float along = -std::numeric_limits<float>::infinity();
       std::array<glm::vec3, 2> at{};
@@ -76,7 +76,7 @@ AimedRays::AimedRays(const Scene& scene, const RayCaster& caster)
     double area = 0;
     area_up_to.clear();
     for (const std::uint32_t triangle : own) {
-      const auto [a, b, c] = corners_of(scene_, triangle);
+      const auto [a, b, c] = corners_of(scene, triangle);
       area_up_to.push_back(
           area += glm::length(glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a))));
       for (const glm::vec3& v : {a, b, c}) {
@@ -93,21 +93,30 @@ AimedRays::AimedRays(const Scene& scene, const RayCaster& caster)
       const bool fresh = std::none_of(farthest.begin(), farthest.begin() + d, [&](const Farthest& before) {
         return before.at[0] == farthest[d].at[0];
       });
-      if (fresh) extremes_.push_back(farthest[d].at);
+      if (fresh) extremes.push_back(farthest[d].at);
     }
-    const std::size_t patches = std::min(own.size(), std::max<std::size_t>(64, own.size() / 8));
-    for (std::size_t i = 0, at = 0; i < patches; ++i) {
-      const double middle = area * (static_cast<double>(i) + 0.5) / static_cast<double>(patches);
+    const std::size_t count = std::min(own.size(), std::max<std::size_t>(64, own.size() / 8));
+    for (std::size_t i = 0, at = 0; i < count; ++i) {
+      const double middle = area * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
       while (area_up_to[at] < middle) ++at;
-      patches_.push_back(corners_of(scene_, own[patches == own.size() ? i : at]));
+      patches.push_back(corners_of(scene, own[count == own.size() ? i : at]));
     }
   }
-  first_patch_.push_back(patches_.size()), first_extreme_.push_back(extremes_.size());
+  first_patch.push_back(patches.size()), first_extreme.push_back(extremes.size());
+}
+
+AimedRays::AimedRays(const Scene& scene, const RayCaster& caster)
+    : AimedRays(scene, caster, std::make_shared<const Aims>(scene)) {}
+AimedRays::AimedRays(const Scene& scene, const RayCaster& caster, std::shared_ptr<const Aims> aims)
+    : scene_(scene), caster_(caster), aims_(std::move(aims)) {}
+
+AimedRays AimedRays::with(const RayCaster& caster) const {
+  return {scene_, caster, aims_};
 }
 
 glm::vec3 AimedRays::point_of(std::uint32_t object, Random& random) const {
-  const auto count = static_cast<std::uint32_t>(first_patch_[object + 1] - first_patch_[object]);
-  const auto& [a, b, c] = patches_[first_patch_[object] + random.below(count)];
+  const auto count = static_cast<std::uint32_t>(aims_->first_patch[object + 1] - aims_->first_patch[object]);
+  const auto& [a, b, c] = aims_->patches[aims_->first_patch[object] + random.below(count)];
   float u = random.unit(), v = random.unit();
   if (u + v > 1) u = 1 - u, v = 1 - v;
   return a + (b - a) * u + (c - a) * v;
@@ -115,28 +124,30 @@ glm::vec3 AimedRays::point_of(std::uint32_t object, Random& random) const {
 
 /// Beside one of the vertices that lie farthest out, in its triangle.
 glm::vec3 AimedRays::extreme_of(std::uint32_t object, Random& random) const {
-  const auto count = static_cast<std::uint32_t>(first_extreme_[object + 1] - first_extreme_[object]);
-  const auto& [vertex, middle] = extremes_[first_extreme_[object] + random.below(count)];
+  const auto count =
+      static_cast<std::uint32_t>(aims_->first_extreme[object + 1] - aims_->first_extreme[object]);
+  const auto& [vertex, middle] = aims_->extremes[aims_->first_extreme[object] + random.below(count)];
   return vertex + (middle - vertex) * any_order(16, random);
 }
 
 /// Beside a line between two of the vertices that lie farthest out, a little farther from the middle.
 glm::dvec3 AimedRays::beside(std::uint32_t object, Random& random) const {
   const auto vertex = [&] {
-    const auto count = static_cast<std::uint32_t>(first_extreme_[object + 1] - first_extreme_[object]);
-    return glm::dvec3(extremes_[first_extreme_[object] + random.below(count)][0]);
+    const auto count =
+        static_cast<std::uint32_t>(aims_->first_extreme[object + 1] - aims_->first_extreme[object]);
+    return glm::dvec3(aims_->extremes[aims_->first_extreme[object] + random.below(count)][0]);
   };
   const glm::dvec3 a = vertex(), b = vertex();
   const glm::dvec3 on = glm::mix(a, b, random.fraction());
-  const auto [x, y, z] = centre_of(bounds_[object]);
+  const auto [x, y, z] = centre_of(aims_->bounds[object]);
   const glm::dvec3 middle(x, y, z);
   return on + (on - middle) * static_cast<double>(any_order(16, random));
 }
 
 std::optional<glm::vec3> AimedRays::touch(const CellPoints& cell, const Box& box,
                                           std::uint32_t object) const {
-  if (!meet(box, bounds_[object])) return {};
-  for (const std::uint32_t triangle : triangles_.of(object)) {
+  if (!meet(box, aims_->bounds[object])) return {};
+  for (const std::uint32_t triangle : aims_->triangles.of(object)) {
     const std::array<glm::vec3, 3> corners = corners_of(scene_, triangle);
     if (!meet(box, box_outside<glm::vec3>(corners))) continue;
     if (const auto common = cell.common_point(corners)) return common;
@@ -181,8 +192,8 @@ AimedRays::Seen AimedRays::from(const CellPoints& cell, std::span<const std::uin
     const std::optional<glm::vec3> common = touch(cell, box, object);
     if (common) {
       seen.objects.push_back({object, {*common, *common}});
-    } else if (first_extreme_[object] < first_extreme_[object + 1]) {
-      const auto [x, y, z] = centre_of(bounds_[object]);
+    } else if (aims_->first_extreme[object] < aims_->first_extreme[object + 1]) {
+      const auto [x, y, z] = centre_of(aims_->bounds[object]);
       aims.push_back({place_on_sphere(glm::vec3(x, y, z) - here), object});
     }
   }

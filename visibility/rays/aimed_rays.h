@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -28,6 +29,9 @@ class AimedRays {
  public:
   /// Borrows scene and caster. O(triangles).
   AimedRays(const Scene& scene, const RayCaster& caster);
+  /// The same with another caster, which it borrows: one for the scene of some of the objects. Shares all else. `targets`
+  /// and `hints` must then be among these objects.
+  AimedRays with(const RayCaster& caster) const;
 
   /// The objects that were seen, ascending and each once, and the number of rays that were cast.
   struct Seen {
@@ -45,27 +49,35 @@ class AimedRays {
   bool confirms(const SeenObject& seen) const;
   /// A random point of an object that has some area, about uniform by area.
   glm::vec3 point_of(std::uint32_t object, Random& random) const;
-  bool has_area(std::uint32_t object) const { return first_patch_[object] < first_patch_[object + 1]; }
+  bool has_area(std::uint32_t object) const {
+    return aims_->first_patch[object] < aims_->first_patch[object + 1];
+  }
 
   const Scene& scene() const { return scene_; }
   const RayCaster& caster() const { return caster_; }
-  const std::vector<Box>& bounds() const { return bounds_; }  // of the objects
+  const std::vector<Box>& bounds() const { return aims_->bounds; }  // of the objects
 
  private:
   glm::vec3 extreme_of(std::uint32_t object, Random& random) const;
   glm::dvec3 beside(std::uint32_t object, Random& random) const;
   std::optional<glm::vec3> touch(const CellPoints& cell, const Box& box, std::uint32_t object) const;
 
+  struct Aims {
+    explicit Aims(const Scene& scene);
+    std::vector<Box> bounds;
+    // The items of an object lie together; those of object o begin at first_...[o]. Each of these arrays has objects + 1
+    // numbers.
+    ObjectTriangles triangles;
+    std::vector<std::uint64_t> first_patch, first_extreme;
+    std::vector<std::array<glm::vec3, 3>> patches;  // some of its triangles, evenly by area
+    /// Vertices that lie farthest out, each with the middle of its triangle.
+    std::vector<std::array<glm::vec3, 2>> extremes;
+  };
+  AimedRays(const Scene& scene, const RayCaster& caster, std::shared_ptr<const Aims> aims);
+
   const Scene& scene_;
   const RayCaster& caster_;
-  std::vector<Box> bounds_;
-  // The items of an object lie together; those of object o begin at first_..._[o]. Each of these arrays has objects + 1
-  // numbers.
-  ObjectTriangles triangles_;
-  std::vector<std::uint64_t> first_patch_, first_extreme_;
-  std::vector<std::array<glm::vec3, 3>> patches_;  // some of its triangles, evenly by area
-  /// Vertices that lie farthest out, each with the middle of its triangle.
-  std::vector<std::array<glm::vec3, 2>> extremes_;
+  std::shared_ptr<const Aims> aims_;
 };
 
 }  // namespace vismat

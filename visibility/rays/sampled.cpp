@@ -51,6 +51,8 @@ struct Squares {
     for (double& s : share) s /= 6 * sum;
   }
   float at(std::uint32_t i) const { return (2 * static_cast<float>(i) + 1) / static_cast<float>(side) - 1; }
+  /// Of what no square shows.
+  float least_degree() const { return static_cast<float>(*std::min_element(share.begin(), share.end()) / 2); }
 
   std::uint32_t side;
   std::vector<double> share;  // of all directions, row by row
@@ -198,8 +200,7 @@ class Rounds {
 
   Sight result() const {
     Sight sight;
-    const float least =
-        static_cast<float>(*std::min_element(squares_.share.begin(), squares_.share.end()) / 2);
+    const float least = squares_.least_degree();
     std::vector<std::uint64_t> offsets = {0};
     std::vector<std::uint32_t> ids;
     for (const std::vector<Entry>& row : rows_) {
@@ -328,6 +329,15 @@ class Rounds {
   std::uint64_t entries_ = 0, cast_ = 0;
 };
 
+void check(const SampledOptions& options) {
+  if (options.resolution == 0 || options.resolution % 4 != 0 || options.resolution > 4096) {
+    throw std::invalid_argument("sampling: the resolution must be a multiple of 4, 4 to 4096, not " +
+                                std::to_string(options.resolution));
+  }
+  if (options.rounds == 0) throw std::invalid_argument("sampling: there must be a round at least");
+  if (!(options.enough_yield >= 0)) throw std::invalid_argument("sampling: the yield must not be below 0");
+}
+
 glm::vec3 any_direction(Random& random) {
   const float z = random.between(-1, 1), turn = random.between(0, 6.2831853f), level = std::sqrt(1 - z * z);
   return {level * std::cos(turn), level * std::sin(turn), z};
@@ -335,14 +345,36 @@ glm::vec3 any_direction(Random& random) {
 
 }  // namespace
 
+SeenFromCell see_from_cell(const AimedRays& rays, const CellPoints& cell,
+                           std::span<const std::uint32_t> targets, const SampledOptions& options,
+                           Random random) {
+  check(options);
+  const Squares squares(options.resolution);
+  Look around(rays, squares);
+  for (const glm::vec3& point : sample_points(cell)) around.from(point);
+  SeenFromCell seen;
+  for (const SeenObject& object : around.seen()) {
+    if (rays.confirms(object)) seen.objects.push_back(object);
+  }
+  const auto by_object = [](const SeenObject& a, const SeenObject& b) { return a.object < b.object; };
+  std::sort(seen.objects.begin(), seen.objects.end(), by_object);
+  std::vector<std::uint32_t> rest;
+  for (const std::uint32_t target : targets) {
+    if (!std::binary_search(seen.objects.begin(), seen.objects.end(), SeenObject{target, {}}, by_object))
+      rest.push_back(target);
+  }
+  const AimedRays::Seen more = rays.from(cell, rest, options.rays, random);
+  seen.rays = around.cast() + around.seen().size() + more.rays;
+  seen.objects.insert(seen.objects.end(), more.objects.begin(), more.objects.end());
+  std::sort(seen.objects.begin(), seen.objects.end(), by_object);
+  for (const SeenObject& object : seen.objects)
+    seen.degree.push_back(std::max(around.degree(object.object), squares.least_degree()));
+  return seen;
+}
+
 Sight see_by_sampling(const AimedRays& rays, const ViewCells& cells, const SampledOptions& options,
                       JobRunner& runner, const Progress& progress, const VisibilityMatrix* not_hidden) {
-  if (options.resolution == 0 || options.resolution % 4 != 0 || options.resolution > 4096) {
-    throw std::invalid_argument("sampling: the resolution must be a multiple of 4, 4 to 4096, not " +
-                                std::to_string(options.resolution));
-  }
-  if (options.rounds == 0) throw std::invalid_argument("sampling: there must be a round at least");
-  if (!(options.enough_yield >= 0)) throw std::invalid_argument("sampling: the yield must not be below 0");
+  check(options);
   const Shape shape{cells.count(), rays.scene().object_count};
   if (not_hidden != nullptr && not_hidden->shape() != shape) {
     throw std::invalid_argument("sampling: what is not hidden must be given for " +

@@ -39,6 +39,18 @@ Sight see_by_sampling(const Scene& scene, const ViewCells& cells, const SampledO
                       JobRunner& runner, const Progress& progress = {},
                       const VisibilityMatrix* not_hidden = nullptr);
 
+/// What is seen from one cell: objects ascending, each with its degree of visibility; and the number of rays.
+struct SeenFromCell {
+  std::vector<SeenObject> objects;
+  std::vector<float> degree;
+  std::uint64_t rays = 0;
+};
+/// The first round of see_by_sampling() for one cell alone, without lines of other cells. Aims at `targets` (ascending);
+/// cube maps find other objects as well.
+SeenFromCell see_from_cell(const AimedRays& rays, const CellPoints& cell,
+                           std::span<const std::uint32_t> targets, const SampledOptions& options,
+                           Random random);
+
 /// The options in one line that names every parameter.
 std::string describe(const SampledOptions& options);
 

@@ -115,47 +115,70 @@ std::vector<Occluder> occluders_for(const Scene& scene, const ViewCells& cells, 
   return find_occluders(scene, options);
 }
 
-struct Shadows::Data {
+struct Shadows::Shared {
   std::vector<Occluder> occluders;
   std::vector<std::uint32_t> first_occluder;  // of each object, and the end
-  std::vector<Box> bounds, node_bounds;
+  std::vector<Box> bounds;
+};
+
+struct Shadows::Data {
+  std::shared_ptr<const Shared> all;
+  std::vector<std::uint32_t> present;  // ascending; the tree's objects are places in it
   ObjectTree tree;
+  std::vector<Box> node_bounds;
   double gap = 0;  // metres by which a cell and a flat occluder must be apart
+
+  Data(std::shared_ptr<const Shared> objects, std::vector<std::uint32_t> those)
+      : all(std::move(objects)), present(std::move(those)) {
+    std::vector<Box> boxes;
+    boxes.reserve(present.size());
+    for (const std::uint32_t object : present) boxes.push_back(all->bounds[object]);
+    tree = bounding_volume_tree(boxes);
+    node_bounds = vismat::node_bounds(tree, boxes);
+    double reach = 0;
+    if (!node_bounds.empty()) {
+      for (int axis = 0; axis < 3; ++axis) {
+        reach = std::max(
+            {reach, std::abs(double{node_bounds[0].low[axis]}), std::abs(double{node_bounds[0].high[axis]})});
+      }
+    }
+    gap = 1e-9 * (1 + reach);
+  }
 };
 
 Shadows::Shadows(const Scene& scene, std::vector<Occluder> occluders) {
-  auto data = std::make_unique<Data>();
-  data->occluders = std::move(occluders);
-  data->first_occluder.assign(std::size_t{scene.object_count} + 1, 0);
-  for (const Occluder& occluder : data->occluders) ++data->first_occluder[occluder.object + 1];
-  std::partial_sum(data->first_occluder.begin(), data->first_occluder.end(), data->first_occluder.begin());
-  data->bounds = object_bounds(scene);
-  data->tree = bounding_volume_tree(data->bounds);
-  data->node_bounds = node_bounds(data->tree, data->bounds);
-  double reach = 0;
-  if (!data->node_bounds.empty()) {
-    for (int axis = 0; axis < 3; ++axis) {
-      reach = std::max({reach, std::abs(double{data->node_bounds[0].low[axis]}),
-                        std::abs(double{data->node_bounds[0].high[axis]})});
-    }
-  }
-  data->gap = 1e-9 * (1 + reach);
-  data_ = std::move(data);
+  auto all = std::make_shared<Shared>();
+  all->occluders = std::move(occluders);
+  all->first_occluder.assign(std::size_t{scene.object_count} + 1, 0);
+  for (const Occluder& occluder : all->occluders) ++all->first_occluder[occluder.object + 1];
+  std::partial_sum(all->first_occluder.begin(), all->first_occluder.end(), all->first_occluder.begin());
+  all->bounds = object_bounds(scene);
+  std::vector<std::uint32_t> present(scene.object_count);
+  std::iota(present.begin(), present.end(), 0u);
+  data_ = std::make_unique<const Data>(std::move(all), std::move(present));
 }
+Shadows::Shadows(std::unique_ptr<const Data> data) : data_(std::move(data)) {}
 Shadows::~Shadows() = default;
+Shadows::Shadows(Shadows&&) noexcept = default;
+Shadows& Shadows::operator=(Shadows&&) noexcept = default;
+
+Shadows Shadows::among(std::span<const std::uint32_t> objects) const {
+  return Shadows(
+      std::make_unique<const Data>(data_->all, std::vector<std::uint32_t>(objects.begin(), objects.end())));
+}
 
 std::span<const Occluder> Shadows::occluders() const {
-  return data_->occluders;
+  return data_->all->occluders;
 }
 std::span<const Box> Shadows::bounds() const {
-  return data_->bounds;
+  return data_->all->bounds;
 }
 std::unique_ptr<Shadows::View> Shadows::view(const ShadowOptions& options) const {
   return std::make_unique<View>(*data_, options);
 }
 
 struct Shadows::View::Work {
-  const Data& data;
+  const Data* data;
   ShadowOptions options;
   ShadowBuffer whole, patch;
   struct Drawn {
@@ -168,9 +191,10 @@ struct Shadows::View::Work {
 
   /// Adds what was drawn, with its planes, to `drawn`.
   void draw(ShadowBuffer& buffer, const Convex& cell, std::uint32_t object) {
-    for (std::uint32_t i = data.first_occluder[object]; i < data.first_occluder[object + 1]; ++i) {
-      const Occluder& occluder = data.occluders[i];
-      if (!apart(cell, occluder.shape, data.gap, occluder.flat) || !blocks_from(occluder, cell)) continue;
+    for (std::uint32_t i = data->all->first_occluder[object]; i < data->all->first_occluder[object + 1];
+         ++i) {
+      const Occluder& occluder = data->all->occluders[i];
+      if (!apart(cell, occluder.shape, data->gap, occluder.flat) || !blocks_from(occluder, cell)) continue;
       const std::size_t first = planes.size();
       supporting_planes(cell, occluder.shape, occluder.flat, planes, first);
       if (buffer.draw(occluder.shape, std::span(planes).subspan(first), i)) {
@@ -190,7 +214,8 @@ struct Shadows::View::Work {
   void draw_again(ShadowBuffer& buffer, const glm::dvec3& point) const {
     buffer.clear(point);
     for (const auto& [occluder, first, end] : drawn) {
-      buffer.draw(data.occluders[occluder].shape, std::span(planes).subspan(first, end - first), occluder);
+      buffer.draw(data->all->occluders[occluder].shape, std::span(planes).subspan(first, end - first),
+                  occluder);
     }
   }
 
@@ -198,9 +223,10 @@ struct Shadows::View::Work {
     std::vector<Shrinkage> all;
     std::vector<Plane> bounding;
     for (const std::uint32_t object : objects) {
-      for (std::uint32_t i = data.first_occluder[object]; i < data.first_occluder[object + 1]; ++i) {
-        const Occluder& occluder = data.occluders[i];
-        if (!apart(cell, occluder.shape, data.gap, occluder.flat)) continue;
+      for (std::uint32_t i = data->all->first_occluder[object]; i < data->all->first_occluder[object + 1];
+           ++i) {
+        const Occluder& occluder = data->all->occluders[i];
+        if (!apart(cell, occluder.shape, data->gap, occluder.flat)) continue;
         bounding.clear();
         supporting_planes(cell, occluder.shape, occluder.flat, bounding);
         if (const auto shrinks = shrinkage(cell, occluder, bounding)) all.push_back(*shrinks);
@@ -213,24 +239,25 @@ struct Shadows::View::Work {
   Objects look_around(const Convex& cell, const glm::dvec3& point, bool names) {
     begin(whole, point, names);
     Objects visible;
-    if (data.tree.size() == 0) return visible;
+    if (data->tree.size() == 0) return visible;
     using Item = std::pair<double, std::uint32_t>;
     std::priority_queue<Item, std::vector<Item>, std::greater<>> nodes;
     nodes.emplace(0, 0);
     while (!nodes.empty()) {
       const std::uint32_t node = nodes.top().second;
       nodes.pop();
-      if (whole.hides(data.node_bounds[node])) continue;
-      if (const std::uint32_t object = data.tree.object_of_node()[node]; object != ObjectTree::none) {
+      if (whole.hides(data->node_bounds[node])) continue;
+      if (const std::uint32_t place = data->tree.object_of_node()[node]; place != ObjectTree::none) {
+        const std::uint32_t object = data->present[place];
         visible.push_back(object);
         draw(whole, cell, object);
       }
-      for (const std::uint32_t child : data.tree.children(node)) {
-        nodes.emplace(squared_distance(data.node_bounds[child], point), child);
+      for (const std::uint32_t child : data->tree.children(node)) {
+        nodes.emplace(squared_distance(data->node_bounds[child], point), child);
       }
     }
     std::sort(visible.begin(), visible.end());
-    std::erase_if(visible, [&](std::uint32_t object) { return whole.hides(data.bounds[object]); });
+    std::erase_if(visible, [&](std::uint32_t object) { return whole.hides(data->all->bounds[object]); });
     return visible;
   }
 
@@ -240,16 +267,16 @@ struct Shadows::View::Work {
     begin(buffer, point, names);
     by_distance.clear();
     for (const std::uint32_t object : objects)
-      by_distance.emplace_back(squared_distance(data.bounds[object], point), object);
+      by_distance.emplace_back(squared_distance(data->all->bounds[object], point), object);
     std::sort(by_distance.begin(), by_distance.end());
     Objects visible;
     for (const auto& [distance, object] : by_distance) {
-      if (buffer.hides(data.bounds[object])) continue;
+      if (buffer.hides(data->all->bounds[object])) continue;
       visible.push_back(object);
       draw(buffer, cell, object);
     }
     std::sort(visible.begin(), visible.end());
-    std::erase_if(visible, [&](std::uint32_t object) { return buffer.hides(data.bounds[object]); });
+    std::erase_if(visible, [&](std::uint32_t object) { return buffer.hides(data->all->bounds[object]); });
     return visible;
   }
 
@@ -284,7 +311,7 @@ struct Shadows::View::Work {
 };
 
 Shadows::View::View(const Data& data, const ShadowOptions& options)
-    : work_(new Work{data,
+    : work_(new Work{&data,
                      options,
                      ShadowBuffer(options.resolution),
                      ShadowBuffer(options.patch_resolution),
@@ -292,6 +319,10 @@ Shadows::View::View(const Data& data, const ShadowOptions& options)
                      {},
                      {}}) {}
 Shadows::View::~View() = default;
+
+void Shadows::View::turn_to(const Shadows& shadows) {
+  work_->data = shadows.data_.get();
+}
 
 std::vector<std::uint32_t> Shadows::View::not_hidden(const Convex& cell) {
   std::vector<glm::dvec3> points = projection_points(cell, std::max(1u, work_->options.points));
@@ -304,7 +335,8 @@ std::vector<std::uint32_t> Shadows::View::not_hidden(const Convex& cell) {
     points.push_back(projection_point(cell, work_->shrinking(cell, left), *options.best_point));
   for (std::size_t i = 1; i < points.size(); ++i) {
     work_->draw_again(work_->whole, points[i]);
-    std::erase_if(left, [&](std::uint32_t object) { return work_->whole.hides(work_->data.bounds[object]); });
+    std::erase_if(left,
+                  [&](std::uint32_t object) { return work_->whole.hides(work_->data->all->bounds[object]); });
   }
   return left;
 }
@@ -316,9 +348,10 @@ Objects Shadows::View::Work::refine(const Convex& cell, std::span<const std::uin
     Patch patch;
     Objects around, left;
   };
-  std::vector<char> open(data.bounds.size(), 0);  // may turn out to be hidden
+  std::vector<char> open(data->all->bounds.size(), 0);  // may turn out to be hidden
   const Bounds of_cell = bounds_of(cell.vertices);
-  for (const std::uint32_t object : candidates) open[object] = !meet(of_cell, bounds_of(data.bounds[object]));
+  for (const std::uint32_t object : candidates)
+    open[object] = !meet(of_cell, bounds_of(data->all->bounds[object]));
   const auto close = [&](const Objects& objects) {
     for (const std::uint32_t object : objects) open[object] = 0;
   };
@@ -330,7 +363,7 @@ Objects Shadows::View::Work::refine(const Convex& cell, std::span<const std::uin
     patch_of.beyond = Plane{face.normal, face.offset};
     Piece piece{std::move(patch_of), {around.begin(), around.end()}, {}};
     for (const std::uint32_t object : candidates) {
-      Box box = data.bounds[object];
+      Box box = data->all->bounds[object];
       if (clip(box, piece.patch.beyond)) piece.left.push_back(object);
     }
     level.push_back(std::move(piece));
@@ -357,7 +390,7 @@ Objects Shadows::View::Work::refine(const Convex& cell, std::span<const std::uin
       piece.around = look_at(patch, plate, point, piece.around, witness != nullptr);
       Objects left = piece.left;
       std::erase_if(left, [&](std::uint32_t object) {
-        Box box = data.bounds[object];
+        Box box = data->all->bounds[object];
         const bool beyond = clip(box, piece.patch.beyond);
         if (beyond && !patch.hides(box)) return false;
         if (witness != nullptr) {
@@ -394,7 +427,7 @@ std::vector<std::uint32_t> Shadows::View::refined(const Convex& cell, std::span<
 
 HiddenWitness Shadows::View::witness(const Convex& cell, std::uint32_t object) {
   HiddenWitness witness;
-  const Box& box = work_->data.bounds[object];
+  const Box& box = work_->data->all->bounds[object];
   Objects around;
   for (const glm::dvec3& point : projection_points(cell, std::max(1u, work_->options.points))) {
     const Objects now = work_->look_around(cell, point, true);

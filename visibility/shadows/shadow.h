@@ -57,15 +57,24 @@ class Shadows {
   Shadows(const Scene& scene, std::vector<Occluder> occluders);
   ~Shadows();
 
+  /// The shadows in the scene that has only these objects (ascending, each once) of this one, with the same numbers.
+  /// Shares the occluders; takes O(n log^2 n) for a tree over n objects.
+  Shadows among(std::span<const std::uint32_t> objects) const;
+
   std::span<const Occluder> occluders() const;
   std::span<const Box> bounds() const;  // of the objects
 
-  /// The buffers of one thread.
+  /// The buffers of one thread. The view must not outlive the shadows.
   class View;
   std::unique_ptr<View> view(const ShadowOptions& options) const;
 
+  Shadows(Shadows&&) noexcept;
+  Shadows& operator=(Shadows&&) noexcept;
+
  private:
+  struct Shared;
   struct Data;
+  explicit Shadows(std::unique_ptr<const Data> data);
   std::unique_ptr<const Data> data_;
 };
 
@@ -73,6 +82,8 @@ class Shadows::View {
  public:
   View(const Data& data, const ShadowOptions& options);
   ~View();
+  /// From now on looks at these shadows, with the buffers that it has.
+  void turn_to(const Shadows& shadows);
 
   /// The objects that are not hidden from the convex cell, ascending: conservative. Casts one view from its centre (and
   /// more from other points of it).
