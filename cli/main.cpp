@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   add_tree(program);
   add_order(program);
   add_deltas(program);
+  add_path(program);
   add_merge(program);
   add_verify(program);
   add_encode(program);

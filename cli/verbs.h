@@ -19,6 +19,7 @@ void add_triangles(Program& program);
 void add_tree(Program& program);
 void add_order(Program& program);
 void add_deltas(Program& program);
+void add_path(Program& program);
 void add_merge(Program& program);
 void add_verify(Program& program);
 void add_encode(Program& program);
