@@ -22,7 +22,9 @@ int main(int argc, char** argv) {
   add_tree(program);
   add_order(program);
   add_deltas(program);
+  add_bake(program);
   add_path(program);
+  add_walk(program);
   add_merge(program);
   add_verify(program);
   add_encode(program);

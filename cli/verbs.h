@@ -28,6 +28,8 @@ void add_compare(Program& program);
 void add_row(Program& program);
 void add_node(Program& program);
 void add_convert(Program& program);
+void add_bake(Program& program);
+void add_walk(Program& program);
 void add_info(Program& program);
 
 }  // namespace vismat::cli
