@@ -19,7 +19,7 @@ namespace vismat::cli {
 namespace {
 
 struct BakeArguments {
-  std::string scene, folder;
+  std::string scene;
   CellsWords cells;
   BakeOptions options;
 };
@@ -36,7 +36,6 @@ void run_bake(BakeArguments arguments) {
         "--cells: make the cells of an octree with 'vismat cells' and bake that scene");
   }
   read.file.cells = choose_cells(read.file.scene, read.file.cells, choice, {}).cells;
-  arguments.options.folder = arguments.folder;
   if (runner->leads()) arguments.options.stages = show_progress;
 
   std::filesystem::create_directories(arguments.options.folder);
@@ -66,7 +65,7 @@ void add_bake(Program& program) {
   const Verb verb = program.verb(
       "bake", "Make all that a walk through a scene needs: levels of detail, visibility, lists, geometry");
   verb.input("SCENE", a.scene, "A scene file, a mesh (.obj, .ply, .off, .stl) or a Quake 3 level").required();
-  verb.option("-o,--output", a.folder, "The folder to write; it is made if it does not exist").required();
+  verb.output(a.options.folder, Written::made_folder, "The folder to write; it is made if it is not there");
   add_cells_options(verb, a.cells);
   verb.option("--producer", a.options.producer,
               "Method that finds what is visible, see 'vismat see --levels'");

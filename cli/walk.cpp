@@ -19,7 +19,8 @@ namespace vismat::cli {
 namespace {
 
 struct WalkArguments {
-  std::filesystem::path folder, path, log, summary;
+  std::string folder;  // no file that an output could replace
+  std::filesystem::path path, log, summary;
   std::string mode = "wait", disk = "disk-2004";
   WalkOptions options;
 };
@@ -123,7 +124,7 @@ void add_walk(Program& program) {
   WalkOptions& o = arguments->options;
   const Verb verb =
       program.verb("walk", "Replay a camera path through a baked scene: what is read, decoded, drawn, late");
-  verb.input("BAKE", arguments->folder, "The folder that 'vismat bake' made").required();
+  verb.option("BAKE", arguments->folder, "The folder that 'vismat bake' made").required();
   verb.input("PATH", arguments->path, "The camera path, see 'vismat path'").required();
   std::vector<std::string> names;
   for (const WalkSystemInfo& system : walk_systems()) names.emplace_back(system.name);

@@ -269,7 +269,8 @@ Option Verb::output(const std::string& name, Value& value, Written what, const s
     return paths_in(value);
   };
   files_->outputs.push_back({short_name, paths, what});
-  return Option(option->type_name(what == Written::folder ? "FOLDER" : "FILE"));
+  return Option(
+      option->type_name(what == Written::folder || what == Written::made_folder ? "FOLDER" : "FILE"));
 }
 
 template Option Verb::option(const std::string&, std::string&, const std::string&) const;

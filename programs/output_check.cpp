@@ -35,7 +35,7 @@ void check_ending(const std::filesystem::path& file, Written what, bool device) 
     refuse("is the name of a matrix or scene, but a table or JSON is written there");
 }
 
-void check_place(const std::filesystem::path& file, const OutputTarget& target, bool folder) {
+void check_place(const std::filesystem::path& file, const OutputTarget& target, bool folder, bool made) {
   const auto refuse = [&](int error) {
     throw std::runtime_error(file.string() + ": cannot write there: " + std::strerror(error));
   };
@@ -49,7 +49,8 @@ void check_place(const std::filesystem::path& file, const OutputTarget& target, 
   if (!folder && (target.kind == Kind::folder || !target.path.has_filename())) refuse(EISDIR);
   if (target.kind == Kind::file && ::access(target.path.c_str(), W_OK) != 0) refuse(errno);
   const std::filesystem::path parent = target.path.has_parent_path() ? target.path.parent_path() : ".";
-  const std::filesystem::path& written_to = folder ? target.path : parent;
+  const bool is_there = target.kind != Kind::nothing;
+  const std::filesystem::path& written_to = folder && (is_there || !made) ? target.path : parent;
   std::error_code error;
   if (std::filesystem::exists(written_to, error) && !std::filesystem::is_directory(written_to, error))
     refuse(ENOTDIR);
@@ -86,7 +87,7 @@ void check_outputs(std::span<const std::filesystem::path> inputs, std::span<cons
     const auto& [option, name, what] = outputs[i];
     const std::filesystem::path file = what == Written::matrix ? matrix_file_of(name) : name;
     const OutputTarget target = output_target(file);
-    const bool folder = what == Written::folder;
+    const bool made = what == Written::made_folder, folder = what == Written::folder || made;
     // A slip that would lose a file is told first.
     for (const std::filesystem::path& input : inputs) {
       for (const std::filesystem::path& read : files_of(input)) {
@@ -103,7 +104,7 @@ void check_outputs(std::span<const std::filesystem::path> inputs, std::span<cons
       }
     }
     check_ending(file, what, target.kind == OutputTarget::Kind::device);
-    check_place(file, target, folder);
+    check_place(file, target, folder, made);
   }
 }
 

@@ -7,7 +7,8 @@
 namespace vismat {
 
 /// What is written: a matrix file, a scene file, a .vmat file, text (tables, JSON), or several files into a folder.
-enum class Written { matrix, scene, vmat, text, folder };
+/// made_folder: a folder that is made if it is not there; any other must be.
+enum class Written { matrix, scene, vmat, text, folder, made_folder };
 
 struct OutputName {
   std::string option;  // by which the user gave it, for messages

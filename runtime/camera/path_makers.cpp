@@ -159,7 +159,7 @@ class PoseMaker {
     const double most = options_.turn * degree * (time - time_);
     time_ = time;
     if (const bool first = !looks_; first || glm::length(way) > 1e-3) {
-      if (first) looks_.emplace();
+      if (first) looks_ = Look{};
       const double limit = first ? 4 : most;
       const double yaw = along > 1e-3 ? std::atan2(way.y, way.x) : looks_->yaw;
       const double pitch = std::clamp(std::atan2(way.z, along), -steepest, steepest);

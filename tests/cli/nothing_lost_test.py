@@ -70,8 +70,10 @@ Path("in.mtx").write_text(MATRIX)
 succeed("convert", "in.mtx", "-o", "in.bsp.h5")
 succeed("encode", "in.mtx", "-o", "in.vmat")
 succeed("city", "--size", 4, "-o", "in.scene.h5")
+Path("in.path").write_text("0 0 0 0 0 0 0 1\n")
 INPUTS = {"SCENE": "in.scene.h5", "INPUT": "in.scene.h5", "MATRIX": "in.mtx", "IN": "in.mtx", "FILE": "in.vmat",
-          "ORIGINAL": "in.mtx", "--witness": "in.scene.h5", "--boxes": "in.mtx", "LEVEL": "in.scene.h5", "PLACE": "in.mtx"}
+          "ORIGINAL": "in.mtx", "--witness": "in.scene.h5", "--boxes": "in.mtx", "LEVEL": "in.scene.h5", "PLACE": "in.mtx", "BAKE": "in.bake",
+          "PATH": "in.path"}
 REQUIRED = {"MODEL": "city", "ROW": "1", "NODE": "0"}
 
 
@@ -132,14 +134,14 @@ def names():
                 if text.startswith("TEXT ") and option != "--cells":
                     check(not says, verb, option, "is a file, but not given as one:", told)
     ends = {"encode": ".vmat", "city": ".scene.h5", "dense-city": ".scene.h5", "plant": ".scene.h5", "cells": ".scene.h5", "scene": ".scene.h5",
-            "triangles": ".csv"}
+            "triangles": ".csv", "path": ".txt"}
     for verb, options in verbs(vismat).items():
         outputs = [option for option, kind, text in options if kind == "FILE" and ("rite" in text)]
         inputs = [option for option, kind, text in options if kind == "FILE" and option not in outputs]
         needed = arguments(options, without=["--output"])
         for option in outputs:
-            end = ".scene.h5" if option == "--scene" else ".txt" if option in ("--csv", "--json") else ends.get(verb, ".mtx")
-            others = [] if option == "--output" or verb in ("compare",) else ["-o", "other" + ends.get(verb, ".mtx")]
+            end = ".scene.h5" if option == "--scene" else ".txt" if option in ("--csv", "--json", "--log", "--summary") else ends.get(verb, ".mtx")
+            others = [] if option == "--output" or verb in ("compare", "walk") else ["-o", "other" + ends.get(verb, ".mtx")]
             words = [verb, *needed, *others, option]
             if end not in (".txt", ".csv"):
                 refuse("is written as", *words, "out.txt")
