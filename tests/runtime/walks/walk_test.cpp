@@ -10,6 +10,7 @@
 #include "runtime/camera/cell_finder.h"
 #include "runtime/camera/path_makers.h"
 #include "runtime/walks/level_geometry.h"
+#include "tests/sanitized.h"
 #include "visibility/generators/dense_city.h"
 
 namespace vismat {
@@ -82,11 +83,11 @@ TEST_F(Walks, NoSystemShowsAWrongPixelIfFramesWait) {
     const CameraPath way = path(kind);
     for (const WalkSystemInfo& system : walk_systems()) {
       WalkOptions walk = options(std::string(system.name));
-      walk.frames = 100;
+      walk.frames = test::trials(100u);
       walk.image_every = kind == PathKind::walk ? 1 : 4;
       const WalkSummary sum = walked(walk, way);
       EXPECT_EQ(sum.errors, ImageErrors{}) << system.name;
-      EXPECT_EQ(sum.images, 100u / walk.image_every);
+      EXPECT_EQ(sum.images, walk.frames / walk.image_every);
       EXPECT_EQ(sum.late + sum.failed + sum.frames_without_cell, 0u) << system.name;
       EXPECT_GT(sum.mean_triangles, 0);
     }
@@ -163,6 +164,7 @@ TEST_F(Walks, TheLogIsTheSameForAnyNumberOfThreads) {
 TEST_F(Walks, CountsWhatIsLateIfFramesDoNotWait) {
   WalkOptions walk = options();
   walk.mode = WalkMode::deadline;
+  walk.frames = test::trials(200u);
   walk.image_every = 1;
   walk.disk = parse_disk_model("400,1,1");
   walk.prefetch_depth = 0;
