@@ -24,7 +24,8 @@ class Walks : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = new fs::path(fs::temp_directory_path() / ("vismat_walks." + std::to_string(getpid())));
     fs::remove_all(*folder_);
-    city_ = new SceneFile(make_dense_city({.size = 3, .car_parks = .4f, .car_sides = 12}));
+    city_ = new SceneFile(
+        make_dense_city({.size = test::sanitized ? 2u : 3u, .car_parks = .4f, .car_sides = 12}));
     baked("city");
   }
   static void TearDownTestSuite() {
@@ -99,7 +100,7 @@ TEST_F(Walks, NoWrongPixelIfTheCacheIsTooSmallForACell) {
   WalkOptions walk = options();
   walk.image_every = 8;
   // The smallest budget that holds the largest chunk besides what the cache itself takes.
-  for (walk.cache_bytes = 4096;; walk.cache_bytes += 512) {
+  for (walk.cache_bytes = 8192;; walk.cache_bytes += 1024) {
     try {
       walked(walk, CameraPath({way.at(0)}));
       break;
@@ -227,7 +228,7 @@ TEST_F(Walks, GoesOnWithoutADamagedChunk) {
 
 TEST_F(Walks, RefusesAFolderOfAnotherSceneOrWithoutAFile) {
   ThreadJobRunner runner(2);
-  const SceneFile other = make_dense_city({.size = 2});
+  const SceneFile other = make_dense_city({.size = 2, .car_sides = 8});
   EXPECT_THROW(bake(other, bake_options("city"), runner), std::invalid_argument);
   const auto refused = [&](const std::string& name, const std::string& why) {
     try {
