@@ -25,7 +25,8 @@ def walk():
 def main(vismat, bench, out):
     out = pathlib.Path(out)
     shutil.rmtree(out, ignore_errors=True)
-    folders = zach, layout, vlod, lossy, visibility, rows = [out / name for name in ("zach2003", "layout", "vlod", "lossy", "visibility", "rows")]
+    folders = zach, layout, vlod, lossy, visibility, rows, walks = [
+        out / name for name in ("zach2003", "layout", "vlod", "lossy", "visibility", "rows", "walks")]
     told, matrices, large, pictures = out / "told", out / "matrices", out / "matrices/large", visibility / "pictures"
     for folder in (*folders, told, matrices, large, pictures):
         folder.mkdir(parents=True)
@@ -91,6 +92,29 @@ def main(vismat, bench, out):
         (rows / "training.csv").write_text("\n".join(lines) + "\n")
         run("rows", vismat, "compare", "--seconds", 0, "--orders", "best", "--codecs", "pair-ans,quake-rle,roaring,xz", "--csv", rows / "best.csv", octants, cells)
 
+    def of_walks():
+        scene, baked, path, line = walks / "city.scene.h5", walks / "city.bake", walks / "city.path", ROOT / "bench/reproduce/walk_line.py"
+        run("walks, city", vismat, "dense-city", "--size", 2, "--car-sides", 8, "-o", scene)
+        run("walks, bake", vismat, "bake", scene, "--effort", 0, "-o", baked)
+        run("walks, path", vismat, "path", scene, "--kind", "walk", "--seconds", 20, "--speed", 4, "-o", path)
+        run("walks, header", sys.executable, line, "--header")
+        lines, along = [(told / "walks, header.txt").read_text()], ["scene,system,t,triangles"]
+        systems = "everything", "frustum", "frustum-levels", "cell-lists", "vlod"
+        one = [("system", system, "--system", system, "--images", 20) for system in systems]
+        one += [("disk", depth, "--disk", disk, "--prefetch", depth) for disk in ("disk-2004", "nvme") for depth in (0, 1)]
+        one += [(what, value, *options, "--prefetch", depth) for what, value, *options in (("cache", 8, "--cache", "8M"), ("speed", 4)) for depth in (0, 1)]
+        for what, value, *options in one:
+            run("walks, walk", vismat, "walk", baked, path, "--frames", 60, "--width", 80, "--height", 60, "--summary", walks / "one.json",
+                "--log", walks / "one.log", *options)
+            run("walks, line", sys.executable, line, walks / "one.json", "scene=city", "path=walk", f"varied={what}", f"value={value}")
+            lines.append((told / "walks, line.txt").read_text())
+            if what == "system":
+                log = [row.split(",") for row in (walks / "one.log").read_text().splitlines()]
+                along += [f"city,{value},{row[1]},{row[log[0].index('drawn_triangles')]}" for row in log[1:]]
+        (walks / "walks.csv").write_text("".join(lines))
+        (walks / "along.csv").write_text("\n".join(along) + "\n")
+        (walks / "bake.csv").write_text("scene,part,seconds,bytes\ncity,levels of detail,1.5,\ncity,geometry.store,.1,1000\n")
+
     (layout / "disk_walk.csv").write_text(walk())
     both([  # the longest first
         (run, "producers", bench, "visibility-tables", "--csv", visibility / "tables.csv", "--places", 1, "--cells", 1, "tilted-boxes"),
@@ -99,6 +123,7 @@ def main(vismat, bench, out):
         (of_merging,),
         (of_rows_alone,),
         (of_rows,),
+        (of_walks,),
         (run, "order failures", bench, "order-failures", "--out", layout, "--scale", .001, "--columns", 40, "--seeds", 3, "--queries", 10, city_1),
         (of_a_dense_city,),
         (run, "codes", bench, "vlod-tables", "--seconds", 0, "--csv", vlod / "codes.csv", "--scale", .0005, "--", differences),
