@@ -6,7 +6,7 @@
 walk() {
   local name=$1 path=$2 varied=$3 value=$4
   shift 4
-  "$vismat" walk "$work_of/$name.bake" "$work_of/$name.$path" --summary "$part/one.json" "$@"
+  "$vismat" walk "$work_of/$name.bake" "$work_of/$name.$path" --summary "$part/one.json" "$@" || return 1
   /usr/bin/python3 bench/reproduce/walk_line.py "$part/one.json" "scene=$name" "path=$path" "varied=$varied" "value=$value" >>"$part/walks.csv"
   rm "$part/one.json"
 }
@@ -39,8 +39,11 @@ go() {
       for prefetch in 0 1; do walk "$name" walk disk "$prefetch" --system $system --disk $disk --prefetch $prefetch --frames "$frames"; done
     done
   done
-  for cache in 1 2 4 8 16 32 64 128; do # megabytes
-    for prefetch in 0 1; do walk "$name" walk cache $cache --cache ${cache}M --prefetch $prefetch --frames "$frames" || not_measured "$name: a cache of $cache MB"; done
+  for cache in 64 128 256 512 1024 2048 4096 8192; do # kilobytes
+    for prefetch in 0 1; do
+      walk "$name" walk cache $cache --cache ${cache}K --prefetch $prefetch --frames "$frames" ||
+        not_measured "$name: a cache of $cache kB, in which the largest chunk does not fit"
+    done
   done
   for speed in 1 2 4 8 16 32; do # m/s; cells are some metres wide
     "$vismat" path "$work_of/$name.scene.h5" --kind walk --seconds 60 --speed $speed -o "$work_of/$name.speed" >/dev/null

@@ -121,7 +121,7 @@ def varied(results, what, label):
 CHARTS = {
     "walks_along": ("Triangles that are drawn in each frame along the path; compare Fig. 8 of Chhugani et al. 2005.", along_the_path, ["along"]),
     "walks_cache": ("vLOD under the disk of 2004: the share of frames that stall, after the first cell, against the cache's budget.",
-                    lambda results: varied(results, "cache", "cache, MB"), []),
+                    lambda results: varied(results, "cache", "cache, kB"), []),
     "walks_speed": ("vLOD under the disk of 2004: the share of frames that stall, after the first cell, against the viewer's speed.",
                     lambda results: varied(results, "speed", "speed, m/s"), []),
 }
