@@ -29,9 +29,10 @@ std::vector<std::string> verbs_of(const std::string& help) {
 TEST_F(Program, HelpNamesEveryVerb) {
   const std::string help = vismat_succeeds("--help").out;
   const auto found = verbs_of(help);
-  for (const char* verb : {"import", "city",      "cells", "dense-city", "plant",  "generate", "scene",
-                           "see",    "triangles", "tree",  "order",      "deltas", "encode",   "decode",
-                           "row",    "compare",   "node",  "convert",    "info",   "merge",    "verify"})
+  for (const char* verb :
+       {"import",    "city",    "cells", "dense-city", "plant",  "generate", "scene", "see",
+        "triangles", "tree",    "order", "deltas",     "encode", "decode",   "row",   "compare",
+        "node",      "convert", "info",  "merge",      "verify", "path"})
     EXPECT_NE(std::find(found.begin(), found.end(), verb), found.end()) << verb;
   EXPECT_TRUE(contains(help, "Example: vismat ")) << help;
 }
