@@ -24,7 +24,8 @@ std::optional<Passage> passage_between(const ViewCells& cells, std::uint32_t fro
 VisibilityMatrix cell_neighbours(const ViewCells& cells);
 
 /// The pairs of cells between which a path leads: neighbours with a passage, and if they are neighbours only because their boxes
-/// touch, without a step. A symmetric matrix of cells x cells. 1 to 10 us a pair.
+/// touch, without a step. A symmetric matrix of cells x cells. Takes 0.1 to 0.3 us a passage between boxes or
+/// between prisms that share a side; 7 us a passage between prisms whose neighbours are not known.
 VisibilityMatrix passages_of(const ViewCells& cells);
 
 }  // namespace vismat
